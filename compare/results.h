@@ -1,0 +1,182 @@
+// The data of one run: everything a page, a table or a later comparison is made from.
+//
+// Data first, pages second: `onepass check|bench|tune` fill a Results value and write it as one
+// JSON file; `onepass report` reads such files and nothing else. No page needs a GPU.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/judge.h"
+#include "core/params.h"
+#include "core/tracer.h"
+
+namespace onepass {
+
+/// Where, with what and how the figures came about.
+struct Manifest {
+    std::vector<std::string> arguments;  ///< the command line that remakes the run
+    std::string time_utc;                ///< ISO 8601
+    std::string commit;                  ///< git commit of the build; "unknown" outside git
+    bool dirty = false;                  ///< the build held uncommitted changes
+    std::string build_type;
+    std::string compiler;
+    std::string cpu;
+    uint32_t cores = 0;            ///< usable by this process
+    std::string gl_context;        ///< "osmesa", "egl"; empty if no GL tracer ran
+    std::string gl_renderer;
+    std::string gl_version;        ///< version and driver
+    bool software_renderer = false;
+    std::string embree;            ///< version and build
+    std::string judge;             ///< Judge::name()
+    uint64_t seed = 0;             ///< of generated rays and of the run order
+};
+
+struct SceneRecord {
+    std::string name;
+    uint64_t triangles = 0;            ///< counted once an instance
+    uint64_t unique_triangles = 0;     ///< counted once an object
+    uint64_t instances = 0;
+    uint64_t lights = 0;
+    std::string hash;                  ///< of the scene's content, hex
+    std::vector<std::string> notes;    ///< LoadedScene::notes
+};
+
+struct TracerRecord {
+    std::string scene;
+    std::string name;        ///< strategy/storage/entry
+    ParamValues params;      ///< all of them, defaults included
+    std::string device;
+    bool software_renderer = false;
+    bool is_oracle = false;
+    bool is_twin = false;
+    uint32_t threads = 0;
+    std::string shader_hash; ///< of the composed text; empty for CPU tracers
+    std::vector<Stat> stats;
+};
+
+/// The worst ray of one class in one comparison.
+struct WorstRay {
+    uint64_t index = 0;  ///< in the ray set
+    Ray ray;
+    Hit answer;
+    Hit oracle;
+    Verdict verdict;
+};
+
+struct ClassTally {
+    uint64_t count = 0;
+    std::optional<WorstRay> worst;  ///< by backward error, then by t error; absent if count is 0
+};
+
+/// One tracer against the oracle on one ray set.
+struct CheckRecord {
+    std::string scene;
+    std::string rays;        ///< kind ("primary", "random") or file name
+    std::string ray_hash;
+    uint64_t ray_count = 0;
+    std::string tracer;
+    std::string oracle;
+    std::string judge;
+    std::array<ClassTally, kHitClassCount> classes;         ///< the tracer's, by HitClass
+    std::array<uint64_t, kHitClassCount> oracle_classes{};  ///< the oracle's own, on judged rays
+    uint64_t judged = 0;          ///< rays that went to the judge (the rest agreed with the oracle)
+    uint64_t wrong_triangle = 0;  ///< rays whose ids differ from the oracle's, both being hits
+    uint64_t hit_count = 0;       ///< rays that the oracle says hit
+    uint64_t oracle_invalid = 0;  ///< rays the oracle cannot take; not in any class
+    uint64_t exhausted = 0;       ///< rays that ran out of a loop budget
+    std::array<uint64_t, kHitClassCount> allowed{};  ///< bounds used; edge's is its budget
+    bool passed = false;
+    std::string picture;          ///< PNG of the per-ray classes, beside the JSON; may be empty
+
+    uint64_t errors() const;      ///< false_miss + false_hit + wrong_surface + t_error
+};
+
+/// One tracer's rendered image against the oracle's.
+struct ImageRecord {
+    std::string scene;
+    std::string tracer;
+    std::string oracle;
+    uint32_t width = 0;
+    uint32_t height = 0;
+    double rmse = 0.0;             ///< linear RGB
+    double psnr_db = 0.0;          ///< 20 log10(1 / rmse); +inf for equal images
+    double max_difference = 0.0;   ///< largest |difference| of any channel
+    uint32_t max_x = 0;
+    uint32_t max_y = 0;
+    uint64_t differing_pixels = 0; ///< pixels with any channel off by more than the tolerance
+    double tolerance = 0.0;        ///< of a channel
+    uint64_t allowed_pixels = 0;
+    std::string reason;            ///< why the tolerance and the allowance are what they are
+    bool passed = false;
+    double rays_per_pixel = 0.0;
+    /// PNGs beside the JSON, by role: "image", "oracle", "difference", "cells", ...
+    std::vector<std::pair<std::string, std::string>> pictures;
+};
+
+/// One tracer's timed casts of one ray set. Samples are in run order.
+struct TimingRecord {
+    std::string scene;
+    std::string rays;
+    uint64_t ray_count = 0;
+    std::string tracer;
+    std::string oracle;                   ///< what the ratio is to
+    std::vector<double> wall_ms;
+    std::vector<double> device_ms;        ///< empty where the device has no timer to trust
+    std::vector<double> oracle_wall_ms;   ///< of the same rounds
+    double median_ms = 0.0;
+    double mrays_per_s = 0.0;
+    double ratio = 0.0;                   ///< speed relative to the oracle: oracle / tracer, median
+    double ratio_low = 0.0;               ///< 95 % bootstrap interval
+    double ratio_high = 0.0;
+    uint64_t errors = 0;                  ///< CheckRecord::errors() on the same rays, this run
+    uint64_t edges = 0;                   ///< its `edge` count
+};
+
+/// One grid size of a sweep.
+struct SweepPoint {
+    std::string scene;
+    std::string rays;
+    std::string tracer;
+    double top_density = 0.0;
+    double object_density = 0.0;
+    uint64_t cells = 0;          ///< of all grids
+    uint64_t references = 0;
+    uint64_t bytes = 0;          ///< on the device
+    double build_ms = 0.0;
+    double cells_per_ray = 0.0;  ///< from a separate, counted pass
+    double tests_per_ray = 0.0;
+    uint64_t errors = 0;
+    std::vector<double> wall_ms;
+    double ratio = 0.0;          ///< as in TimingRecord
+    double ratio_low = 0.0;
+    double ratio_high = 0.0;
+};
+
+struct Results {
+    static constexpr int kSchemaVersion = 1;
+    Manifest manifest;
+    std::vector<SceneRecord> scenes;
+    std::vector<TracerRecord> tracers;
+    std::vector<CheckRecord> checks;
+    std::vector<ImageRecord> images;
+    std::vector<TimingRecord> timings;
+    std::vector<SweepPoint> sweeps;
+};
+
+/// JSON text of a run. NaN and infinity are written as null and read back as NaN; hits' and rays'
+/// infinities as the strings "inf" and "-inf".
+std::string to_json(const Results& results);
+
+/// Throws: Error naming the file and the field for text that is not a Results of this version.
+Results results_from_json(const std::string& text, const std::string& file_name);
+
+/// Written whole or not at all: temporary file, then rename. "-" writes to standard output.
+void write_results(const Results& results, const std::filesystem::path& path);
+Results read_results(const std::filesystem::path& path);
+
+}  // namespace onepass

@@ -1,0 +1,52 @@
+#include "core/shading.h"
+
+namespace onepass {
+
+float secondary_offset(const Bounds& scene_bounds) {
+    constexpr float kRelativeOffset = 1.0f / 65536.0f;
+    return scene_bounds.magnitude() * kRelativeOffset;
+}
+
+ShadingScene::ShadingScene(const Scene& s)
+    : scene(&s), ray_offset(secondary_offset(scene_bounds(s))) {
+    object_from_world.reserve(s.instances.size());
+    for (const Instance& instance : s.instances) {
+        object_from_world.push_back(Affine(inverse(instance.world_from_object)));
+    }
+}
+
+SurfacePoint surface_point(const ShadingScene& scene, const Ray& ray, const Hit& hit) {
+    const Instance& instance = scene.scene->instances[hit.inst_id];
+    const Object& object = scene.scene->objects[instance.object];
+    const uvec3 triangle = object.triangles[hit.prim_id];
+    const Affine& object_from_world = scene.object_from_world[hit.inst_id];
+
+    const vec3 v0 = object.positions[triangle.x];
+    const vec3 v1 = object.positions[triangle.y];
+    const vec3 v2 = object.positions[triangle.z];
+    const vec3 object_normal = glm::normalize(glm::cross(v1 - v0, v2 - v0));
+
+    SurfacePoint point;
+    point.position = ray.org + ray.dir * hit.t;
+    point.geometric_normal = glm::normalize(transform_normal(object_from_world, object_normal));
+    if (glm::dot(point.geometric_normal, ray.dir) > 0.0f) {
+        point.geometric_normal = -point.geometric_normal;
+    }
+
+    point.shading_normal = point.geometric_normal;
+    if (!object.normals.empty()) {
+        const vec3 interpolated = object.normals[triangle.x] * (1.0f - hit.u - hit.v) +
+                                  object.normals[triangle.y] * hit.u +
+                                  object.normals[triangle.z] * hit.v;
+        point.shading_normal = glm::normalize(transform_normal(object_from_world, interpolated));
+        if (glm::dot(point.shading_normal, point.geometric_normal) < 0.0f) {
+            point.shading_normal = -point.shading_normal;
+        }
+    }
+
+    const uint32_t group = group_of_triangle(object, hit.prim_id);
+    point.material = &scene.scene->materials[instance.materials[group]];
+    return point;
+}
+
+}  // namespace onepass

@@ -1,0 +1,89 @@
+// The seam between the traversal strategies and everything that compares them.
+//
+// Every strategy, the shaders' twins and Embree are Tracers; `compare` knows nothing else.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/render_settings.h"
+#include "core/scene.h"
+#include "core/types.h"
+
+namespace onepass {
+
+/// Which hit a ray asks for. `any`: some hit in [tmin, tmax]; which one is not specified.
+enum class Query { closest, any };
+
+/// Rays that rest where a tracer runs. Opaque; valid only for the tracer that made it.
+struct RayBatch {
+    size_t count = 0;
+    std::shared_ptr<const void> resident;
+};
+
+struct CastOptions {
+    Query query = Query::closest;
+    bool counters = false;  ///< count cells, tests and references; slower, never mixed with timing
+};
+
+struct CastResult {
+    std::vector<Hit> hits;              ///< one a ray
+    std::vector<uint32_t> flags;        ///< RayFlag bits, one a ray
+    std::vector<RayCounters> counters;  ///< one a ray if asked for, else empty
+    double device_ms = 0.0;             ///< by the device's own timer; NaN if it has none to trust
+    double wall_ms = 0.0;               ///< from launch to finish, without upload and read-back
+};
+
+/// One image with its arbitrary output values (AOVs). Row-major, row 0 at the top.
+struct Frame {
+    uint32_t width = 0;
+    uint32_t height = 0;
+    std::vector<vec3> color;            ///< linear RGB
+    std::vector<Hit> hits;              ///< of the primary rays; empty without AOVs
+    std::vector<vec3> normals;          ///< shading normals, world, unit; 0 for a miss
+    std::vector<RayCounters> counters;  ///< sums over all rays of a pixel
+    std::vector<uint32_t> flags;        ///< RayFlag bits, one a pixel
+    double device_ms = 0.0;             ///< as in CastResult
+    double wall_ms = 0.0;               ///< as in CastResult
+};
+
+/// One measured or computed property of a tracer's structure.
+struct Stat {
+    std::string name;   ///< with its unit: "build_ms", "grid_bytes"
+    double value = 0.0;
+    std::string note;   ///< how to read it; may be empty
+};
+
+struct Capabilities {
+    bool render = true;             ///< false: cast only; render through core/shading.h instead
+    bool counters = false;          ///< fills CastResult::counters and Frame::counters
+    bool device_timer = false;      ///< device_ms can be trusted
+    bool software_renderer = false; ///< a GL tracer that runs on the CPU (Mesa's llvmpipe)
+    uint32_t threads = 0;           ///< CPU threads used; 0 where that has no meaning
+    std::string device;             ///< "llvmpipe (LLVM 15...)", "Embree 3.13.5", ...
+};
+
+/// One traversal of one scene. Built ready to trace; not thread-safe.
+class Tracer {
+  public:
+    virtual ~Tracer() = default;
+
+    /// The name in every result: strategy/storage/entry, such as "paper/texture2d/fragment".
+    virtual const std::string& name() const = 0;
+    virtual Capabilities capabilities() const = 0;
+    virtual std::vector<Stat> stats() const = 0;
+
+    /// Makes the rays resident. Throws: Error if the device cannot hold them.
+    virtual RayBatch upload(std::span<const Ray> rays) = 0;
+
+    /// Answers every ray of the batch. Never throws for a ray's values: a NaN ray is a miss.
+    virtual CastResult cast(const RayBatch& batch, const CastOptions& options = {}) = 0;
+
+    /// The whole image: primary, shadow and reflection rays. One draw or dispatch if the strategy
+    /// is a single-pass one.
+    virtual Frame render(const Camera& camera, const RenderSettings& settings) = 0;
+};
+
+}  // namespace onepass
