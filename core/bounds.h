@@ -18,9 +18,7 @@ struct Bounds {
         lower = glm::min(lower, b.lower);
         upper = glm::max(upper, b.upper);
     }
-    bool empty() const {
-        return lower.x > upper.x || lower.y > upper.y || lower.z > upper.z;
-    }
+    bool empty() const { return lower.x > upper.x || lower.y > upper.y || lower.z > upper.z; }
     vec3 extent() const { return upper - lower; }
     vec3 centre() const { return 0.5f * lower + 0.5f * upper; }
     float diagonal() const { return glm::length(extent()); }

@@ -22,8 +22,7 @@ struct CameraFrame {
 
 inline CameraFrame camera_frame(const Camera& camera, uint32_t width, uint32_t height) {
     const float half_height = std::tan(0.5f * camera.vertical_fov);
-    const float half_width =
-        half_height * static_cast<float>(width) / static_cast<float>(height);
+    const float half_width = half_height * static_cast<float>(width) / static_cast<float>(height);
     const Affine& m = camera.world_from_camera;
     const vec3 right = glm::normalize(m[0]);
     const vec3 up = glm::normalize(m[1]);

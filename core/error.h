@@ -1,7 +1,8 @@
 // The one exception type of the project, and the assertion macros.
 //
 // Bad input, a bad shader or a missing device throws Error. A programmer's mistake fails an
-// ONEPASS_CHECK, which prints and aborts. Nothing below `main` prints or exits for any other reason.
+// ONEPASS_CHECK, which prints and aborts. Nothing below `main` prints or exits for any other
+// reason.
 #pragma once
 
 #include <stdexcept>
@@ -51,17 +52,16 @@ inline std::string check_text(unsigned long value) {
 }  // namespace onepass
 
 /// Assertions stay on in every build. They cost a compare; keep them out of inner loops.
-#define ONEPASS_CHECK(condition)                                                 \
-    ((condition) ? static_cast<void>(0)                                          \
+#define ONEPASS_CHECK(condition)        \
+    ((condition) ? static_cast<void>(0) \
                  : ::onepass::detail::check_failed(__FILE__, __LINE__, #condition))
 
-#define ONEPASS_CHECK_OP_(a, op, b)                                                               \
-    (((a)op(b)) ? static_cast<void>(0)                                                            \
-                : ::onepass::detail::check_failed(                                                \
-                      __FILE__, __LINE__,                                                         \
-                      std::string(#a " " #op " " #b " with values ") +                            \
-                          ::onepass::detail::check_text(a) + " and " +                            \
-                          ::onepass::detail::check_text(b)))
+#define ONEPASS_CHECK_OP_(a, op, b)                                                                \
+    (((a)op(b)) ? static_cast<void>(0)                                                             \
+                : ::onepass::detail::check_failed(__FILE__, __LINE__,                              \
+                                                  std::string(#a " " #op " " #b " with values ") + \
+                                                      ::onepass::detail::check_text(a) + " and " + \
+                                                      ::onepass::detail::check_text(b)))
 #define ONEPASS_CHECK_EQ(a, b) ONEPASS_CHECK_OP_(a, ==, b)
 #define ONEPASS_CHECK_LE(a, b) ONEPASS_CHECK_OP_(a, <=, b)
 #define ONEPASS_CHECK_LT(a, b) ONEPASS_CHECK_OP_(a, <, b)

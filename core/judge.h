@@ -33,8 +33,8 @@ std::string_view to_string(HitClass hit_class);
 
 /// The classes that a check never lets pass silently.
 constexpr bool is_error(HitClass c) {
-    return c == HitClass::false_miss || c == HitClass::false_hit ||
-           c == HitClass::wrong_surface || c == HitClass::t_error;
+    return c == HitClass::false_miss || c == HitClass::false_hit || c == HitClass::wrong_surface ||
+           c == HitClass::t_error;
 }
 
 /// How far a t may be from the true one and still `agree`: 16 ulps, the bound of Embree's own
@@ -44,12 +44,13 @@ inline constexpr double kTUlps = 16.0;
 /// What a judge says of one answer to one ray.
 struct Verdict {
     HitClass hit_class = HitClass::agree;
-    double true_t = 0.0;         ///< nearest true distance; +inf for a true miss
+    double true_t = 0.0;  ///< nearest true distance; +inf for a true miss
     uint32_t true_prim_id = kNoId;
     uint32_t true_inst_id = kNoId;
-    double t_error_ulps = 0.0;   ///< |t - true t of the answered triangle| in ulps of t; NaN: no such t
-    double backward_error = 0.0; ///< least move found that makes the answer right, in units of the
-                                 ///< bounds of E_ray; 0 agree or tie, in (0, 1] edge, else +inf
+    double t_error_ulps =
+        0.0;  ///< |t - true t of the answered triangle| in ulps of t; NaN: no such t
+    double backward_error = 0.0;  ///< least move found that makes the answer right, in units of the
+                                  ///< bounds of E_ray; 0 agree or tie, in (0, 1] edge, else +inf
 };
 
 /// Decides, by arithmetic better than the tracers', what a ray truly hits.

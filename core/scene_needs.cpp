@@ -15,8 +15,9 @@ SceneNeeds scene_needs(const Scene& scene, const RenderSettings& settings) {
     needs.light_count = static_cast<uint32_t>(scene.lights.size());
     needs.max_depth = reflects ? settings.max_depth : 0;
     needs.shadows = settings.shadows && needs.light_count > 0;
-    needs.smooth_normals = std::any_of(scene.objects.begin(), scene.objects.end(),
-                                       [](const Object& object) { return !object.normals.empty(); });
+    needs.smooth_normals =
+        std::any_of(scene.objects.begin(), scene.objects.end(),
+                    [](const Object& object) { return !object.normals.empty(); });
     return needs;
 }
 

@@ -9,9 +9,9 @@ namespace onepass {
 /// Becomes the typed constants of a shader variant (gpu_glsl) and nothing else.
 struct SceneNeeds {
     uint32_t light_count = 0;
-    uint32_t max_depth = 0;     ///< mirror bounces; 0 if nothing in the scene reflects
-    bool shadows = false;       ///< asked for, and there is a light
-    bool smooth_normals = false;///< some object has vertex normals
+    uint32_t max_depth = 0;       ///< mirror bounces; 0 if nothing in the scene reflects
+    bool shadows = false;         ///< asked for, and there is a light
+    bool smooth_normals = false;  ///< some object has vertex normals
 
     bool operator==(const SceneNeeds&) const = default;
 };

@@ -56,8 +56,8 @@ inline vec3 phong(const Material& material, const vec3& normal, const vec3& to_l
 struct ShadedPath {
     vec3 color{0.0f};
     Hit primary;
-    vec3 normal{0.0f};   ///< shading normal at the primary hit
-    uint32_t rays = 0;   ///< rays cast
+    vec3 normal{0.0f};  ///< shading normal at the primary hit
+    uint32_t rays = 0;  ///< rays cast
 };
 
 /// Follows a primary ray and its mirror reflections; at each hit, a shadow ray to each light.

@@ -51,18 +51,19 @@ struct Frame {
 
 /// One measured or computed property of a tracer's structure.
 struct Stat {
-    std::string name;   ///< with its unit: "build_ms", "grid_bytes"
+    std::string name;  ///< with its unit: "build_ms", "grid_bytes"
     double value = 0.0;
-    std::string note;   ///< how to read it; may be empty
+    std::string note;  ///< how to read it; may be empty
 };
 
 struct Capabilities {
-    bool render = true;             ///< false: cast only; render through core/shading.h instead
-    bool counters = false;          ///< fills CastResult::counters and Frame::counters
-    bool device_timer = false;      ///< device_ms can be trusted
-    bool software_renderer = false; ///< a GL tracer that runs on the CPU (Mesa's llvmpipe)
-    uint32_t threads = 0;           ///< CPU threads used; 0 where that has no meaning
-    std::string device;             ///< "llvmpipe (LLVM 15...)", "Embree 3.13.5", ...
+    bool render = true;              ///< false: cast only; render through core/shading.h instead
+    bool counters = false;           ///< fills CastResult::counters and Frame::counters
+    bool device_timer = false;       ///< device_ms can be trusted
+    bool software_renderer = false;  ///< a GL tracer that runs on the CPU (Mesa's llvmpipe)
+    uint32_t threads = 0;            ///< CPU threads used; 0 where that has no meaning
+    std::string device;              ///< "llvmpipe (LLVM 15...)", "Embree 3.13.5", ...
+    std::string shader_hash;         ///< of the composed `cast` shader; empty for CPU tracers
 };
 
 /// One traversal of one scene. Built ready to trace; not thread-safe.

@@ -53,15 +53,16 @@ struct RayCounters {
     uint32_t cells = 0;       ///< cells visited, both levels
     uint32_t tests = 0;       ///< ray-triangle tests
     uint32_t references = 0;  ///< list entries read, both levels
-    uint32_t rays = 0;        ///< rays cast: 1 for `cast`; primary + shadow + reflection for `render`
+    uint32_t rays = 0;  ///< rays cast: 1 for `cast`; primary + shadow + reflection for `render`
 
     bool operator==(const RayCounters&) const = default;
 };
 
 /// Per-ray flags, a bit set. A flag is always counted and printed, never silent.
 enum RayFlag : uint32_t {
-    kFlagExhausted = 1,      ///< a loop ended by its budget, not by its own condition
-    kFlagOracleInvalid = 2,  ///< the oracle cannot take this ray (NaN, inf, ...); answered as a miss
+    kFlagExhausted = 1,  ///< a loop ended by its budget, not by its own condition
+    kFlagOracleInvalid =
+        2,  ///< the oracle cannot take this ray (NaN, inf, ...); answered as a miss
 };
 
 }  // namespace onepass

@@ -39,14 +39,17 @@ struct UniformGrid {
 /// Cell ranges are widened by kBinningPad of a cell on each side, so that a traversal whose cell
 /// arithmetic is off by less never misses a reference.
 /// Cost:   O(boxes + references) time and memory; parallel, the same bits for any thread count.
-/// Throws: Error if a box is empty or not finite, or references exceed 2^32 - 1.
-/// Source: Fujimoto 1985; Adinetz & Berezin, section 3 (top level: scene subdivision).
+/// Throws: Error if there is no box, if a box is empty or not finite, if references exceed 2^32 -
+/// 1, and as grid_resolution and padded_bounds. Source: Fujimoto 1985; Adinetz & Berezin, section 3
+/// (top level: scene subdivision).
 UniformGrid build_box_grid(std::span<const Bounds> boxes, const GridSizing& sizing);
 
 /// Builds a grid over an object's triangles: a triangle is referenced by every cell that its exact
-/// surface overlaps (separating axes, cells widened by kBinningPad), not by its whole box.
+/// surface overlaps (separating axes, cells widened by kBinningPad), not by its whole box. A
+/// triangle that touches a closed cell is always referenced, degenerate ones (points, segments)
+/// included.
 ///
-/// Cost, errors: as build_box_grid; a triangle also costs the cells of its box.
+/// Cost, errors: as build_box_grid; a triangle also costs the rows (along x) of its box.
 /// Source: Adinetz & Berezin, section 3 (second-level subdivision); Akenine-Moller 2001.
 UniformGrid build_triangle_grid(const Object& object, const GridSizing& sizing);
 

@@ -1,0 +1,100 @@
+// The two grid builders: over boxes (instances) and over triangles.
+#include "core/grid/uniform_grid.h"
+
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/grid/binning.h"
+#include "core/grid/cell_lists.h"
+
+namespace onepass {
+namespace {
+
+bool is_finite(const vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+void check_boxes(std::span<const Bounds> boxes) {
+    for (size_t i = 0; i < boxes.size(); ++i) {
+        const Bounds& box = boxes[i];
+        if (is_finite(box.lower) && is_finite(box.upper) && !box.empty()) continue;
+        throw Error({.where = fmt::format("grid over boxes, box {}", i),
+                     .got = fmt::format("({}, {}, {}) to ({}, {}, {})", box.lower.x, box.lower.y,
+                                        box.lower.z, box.upper.x, box.upper.y, box.upper.z),
+                     .expected = "finite bounds, lower <= upper",
+                     .remedy = "Remove or mend the instance that has this box."});
+    }
+}
+
+void check_positions(const Object& object) {
+    for (size_t i = 0; i < object.positions.size(); ++i) {
+        const vec3& p = object.positions[i];
+        if (is_finite(p)) continue;
+        throw Error({.where = fmt::format("object '{}', vertex {}", object.name, i),
+                     .got = fmt::format("({}, {}, {})", p.x, p.y, p.z),
+                     .expected = "finite coordinates",
+                     .remedy = "Remove or mend the vertex."});
+    }
+}
+
+void check_primitive_count(size_t count, const std::string& where) {
+    if (count > 0 && count < kNoId) return;
+    throw Error({.where = where,
+                 .got = fmt::format("{} primitives", count),
+                 .expected = fmt::format("1 to {}", kNoId - 1),
+                 .remedy = "Remove empty objects; split those that are too large."});
+}
+
+/// Sizes the grid, collects what cells_of(frame, primitive, emit) emits, and sorts it.
+template <class CellsOf>
+UniformGrid build_grid(const Bounds& bounds, size_t primitive_count, const GridSizing& sizing,
+                       const CellsOf& cells_of) {
+    UniformGrid grid;
+    grid.bounds = padded_bounds(bounds);
+    grid.dims = grid_resolution(grid.bounds, primitive_count, sizing);
+
+    const CellFrame frame = cell_frame(grid.bounds, grid.dims);
+    ReferenceChunks chunks = collect_references(
+        static_cast<uint32_t>(primitive_count),
+        [&](uint32_t primitive, auto&& emit) { cells_of(frame, primitive, emit); });
+    CellLists lists = sort_by_cell(std::move(chunks), grid.cell_count());
+    grid.cell_begin = std::move(lists.cell_begin);
+    grid.references = std::move(lists.references);
+    return grid;
+}
+
+}  // namespace
+
+UniformGrid build_box_grid(std::span<const Bounds> boxes, const GridSizing& sizing) {
+    check_primitive_count(boxes.size(), "grid over boxes");
+    check_boxes(boxes);
+    Bounds bounds;
+    for (const Bounds& box : boxes) bounds.extend(box);
+
+    return build_grid(
+        bounds, boxes.size(), sizing, [&](const CellFrame& frame, uint32_t i, auto&& emit) {
+            const CellRange range = overlapped_range(frame.to_cells(boxes[i].lower),
+                                                     frame.to_cells(boxes[i].upper), frame.dims);
+            for_each_row(range, frame.dims, emit);
+        });
+}
+
+UniformGrid build_triangle_grid(const Object& object, const GridSizing& sizing) {
+    check_primitive_count(object.triangles.size(), fmt::format("object '{}'", object.name));
+    check_positions(object);
+
+    return build_grid(object_bounds(object), object.triangles.size(), sizing,
+                      [&](const CellFrame& frame, uint32_t i, auto&& emit) {
+                          const uvec3& corners = object.triangles[i];
+                          const std::array<dvec3, 3> vertices = {
+                              frame.to_cells(object.positions[corners.x]),
+                              frame.to_cells(object.positions[corners.y]),
+                              frame.to_cells(object.positions[corners.z])};
+                          for_each_overlapped_row(vertices, frame.dims, emit);
+                      });
+}
+
+}  // namespace onepass

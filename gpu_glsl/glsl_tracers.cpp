@@ -1,0 +1,133 @@
+#include "gpu_glsl/glsl_tracers.h"
+
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "gpu_glsl/gpu_tracer.h"
+#include "gpu_glsl/prepared_strategy.h"
+#include "gpu_glsl/twin/twin_unit.h"
+#include "gpu_glsl/twin_tracer.h"
+
+namespace onepass {
+namespace {
+
+std::string tracer_name(const gl::StrategyInfo& info, const std::string& storage,
+                        const std::string& entry) {
+    return fmt::format("{}/{}/{}", info.name, storage, entry);
+}
+
+/// What a catalogue entry shows, but for the summary's ending.
+TracerInfo tracer_info(const gl::StrategyInfo& info, const std::string& storage,
+                       const std::string& entry, const std::string& how) {
+    return {.name = tracer_name(info, storage, entry),
+            .summary = info.summary + ", " + how,
+            .source = info.source,
+            .params = strategy_params(info, storage)};
+}
+
+TextureLimits limits_of(const gl::GlContext& context) {
+    return {.max_2d = static_cast<uint32_t>(context.limits().max_texture_size),
+            .max_3d = static_cast<uint32_t>(context.limits().max_3d_texture_size)};
+}
+
+/// The units of a strategy in one storage. Throws: Error if the front matter and the build differ.
+std::vector<const twin::Unit*> twin_units_of(const gl::StrategyInfo& info,
+                                             const std::string& storage) {
+    std::vector<const twin::Unit*> found;
+    for (const twin::Unit& unit : twin::units()) {
+        if (unit.strategy == info.name && unit.storage == storage) found.push_back(&unit);
+    }
+    const size_t expected = info.twin ? 2 : 0;
+    if (found.size() != expected) {
+        throw Error({info.file,
+                     fmt::format("{} twins of storage '{}' in this binary", found.size(), storage),
+                     fmt::format("{}, by its front matter", expected),
+                     "Build again, so that CMake reads the strategy files; a strategy read from a "
+                     "folder at run time must say 'twin: none REASON'."});
+    }
+    return found;
+}
+
+using LibraryPtr = std::shared_ptr<const gl::ShaderLibrary>;
+
+CatalogueEntry gpu_entry(const LibraryPtr& library, const gl::StrategyInfo& info,
+                         const std::string& storage, const std::string& entry_name,
+                         const GlContextProvider& context) {
+    const GpuEntry entry = entry_name == "compute" ? GpuEntry::compute : GpuEntry::fragment;
+    CatalogueEntry result;
+    result.info = tracer_info(info, storage, entry_name, "in a " + entry_name + " shader");
+    result.make = [=](ScenePtr scene, const ParamValues& values) {
+        gl::GlContext& gl_context = context();
+        return make_gpu_tracer(
+            tracer_name(info, storage, entry_name),
+            prepare_strategy(info, storage, std::move(scene), values, limits_of(gl_context)), entry,
+            *library, gl_context);
+    };
+    return result;
+}
+
+CatalogueEntry twin_entry(const gl::StrategyInfo& info, const std::string& storage,
+                          const twin::Unit& unit) {
+    const std::string name = fmt::format("twin{}", unit.bits);
+    CatalogueEntry result;
+    result.info = tracer_info(info, storage, name,
+                              fmt::format("its shader text as C++ in {} bits", unit.bits));
+    result.info.is_twin = true;
+    result.make = [=](ScenePtr scene, const ParamValues& values) {
+        return make_twin_tracer(tracer_name(info, storage, name),
+                                prepare_strategy(info, storage, std::move(scene), values, {}),
+                                unit);
+    };
+    return result;
+}
+
+}  // namespace
+
+std::vector<CatalogueEntry> glsl_tracers(const gl::ShaderLibrary& library,
+                                         GlContextProvider context) {
+    const auto shared = std::make_shared<const gl::ShaderLibrary>(library);
+    std::vector<CatalogueEntry> entries;
+    for (const gl::StrategyInfo& info : shared->strategies()) {
+        for (const std::string& storage : info.storages) {
+            for (const std::string& entry : info.entries) {
+                entries.push_back(gpu_entry(shared, info, storage, entry, context));
+            }
+            for (const twin::Unit* unit : twin_units_of(info, storage)) {
+                entries.push_back(twin_entry(info, storage, *unit));
+            }
+        }
+    }
+    return entries;
+}
+
+gl::ComposedShader compose_tracer_shader(const gl::ShaderLibrary& library, const std::string& name,
+                                         ScenePtr scene, const ParamValues& params,
+                                         const RenderSettings* settings) {
+    for (const gl::StrategyInfo& info : library.strategies()) {
+        for (const std::string& storage : info.storages) {
+            for (const std::string& entry_name : info.entries) {
+                if (tracer_name(info, storage, entry_name) != name) continue;
+                const GpuEntry entry =
+                    entry_name == "compute" ? GpuEntry::compute : GpuEntry::fragment;
+                const PreparedStrategy prepared =
+                    prepare_strategy(info, storage, scene, params, {});
+                SceneNeeds needs;
+                if (settings != nullptr) needs = scene_needs(*scene, *settings);
+                constexpr int kNewestGl = 450;
+                return library.compose(
+                    {.glsl_version = glsl_version_for(info, entry, kNewestGl),
+                     .stage = entry_name,
+                     .files = prepared.files_with(entry_file(entry, settings == nullptr)),
+                     .constants =
+                         prepared.constants(false, settings != nullptr ? &needs : nullptr)});
+            }
+        }
+    }
+    throw Error({"shader variant", "'" + name + "'", "the full name of a GPU tracer",
+                 "See `onepass list strategies`; twins and Embree have no shader."});
+}
+
+}  // namespace onepass

@@ -1,0 +1,413 @@
+#include "gpu_glsl/gpu_tracer.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <optional>
+#include <tuple>
+
+#include <fmt/format.h>
+
+#include "core/camera.h"
+#include "core/error.h"
+#include "gpu_glsl/gl/objects.h"
+
+namespace onepass {
+namespace {
+
+/// Rays of one chunk of a batch. Fragment: two textures, a ray a texel. Compute: one buffer.
+struct ChunkOnDevice {
+    size_t count = 0;
+    uint32_t width = 0;  ///< of the textures
+    uint32_t height = 0;
+    std::optional<gl::Texture> origins;
+    std::optional<gl::Texture> directions;
+    std::optional<gl::Buffer> buffer;
+};
+
+struct RaysOnDevice {
+    std::vector<ChunkOnDevice> chunks;
+};
+
+/// The records of entry/cast_compute.glsl and entry/compute.glsl (std430).
+struct HitRecord {
+    vec4 hit;
+    glm::uvec4 ids;
+    glm::uvec4 counters;
+};
+static_assert(sizeof(HitRecord) == 48);
+
+struct PixelRecord {
+    vec4 color;
+    vec4 hit;
+    glm::uvec4 ids;
+    vec4 normal;
+    glm::uvec4 counters;
+};
+static_assert(sizeof(PixelRecord) == 80);
+
+/// Rays a chunk holds at most: 4 Mi rays take 128 MiB, and results of the same order.
+constexpr size_t kMaxChunkRays = size_t{1} << 22;
+
+/// Width of the textures that rays and hits lie in.
+constexpr uint32_t kRayTextureWidth = 1024;
+
+/// Invocations of a work group: local_size of entry/cast_compute.glsl, and of entry/compute.glsl.
+constexpr uint32_t kCastGroup = 64;
+constexpr uvec2 kPixelGroup(32, 4);
+
+gl::TexelFormat texel_format(const TextureData& texture) {
+    const bool half = texture.format == ChannelFormat::half;
+    switch (texture.channels) {
+        case 1:
+            return half ? gl::TexelFormat::r16f : gl::TexelFormat::r32f;
+        case 2:
+            return half ? gl::TexelFormat::rg16f : gl::TexelFormat::rg32f;
+        default:
+            return half ? gl::TexelFormat::rgba16f : gl::TexelFormat::rgba32f;
+    }
+}
+
+gl::Texture upload_texture(const TextureData& texture) {
+    if (texture.dimensions == 3) {
+        return gl::texture_3d(texture.name, texel_format(texture), texture.size, texture.texels);
+    }
+    return gl::texture_2d(texture.name, texel_format(texture), texture.size.x, texture.size.y,
+                          texture.texels);
+}
+
+/// A ray that no structure answers: it ends before it begins. Fills the last row of a chunk.
+constexpr Ray kPaddingRay{.org = vec3(0.0f), .tmin = 0.0f, .dir = vec3(0, 0, 1), .tmax = -1.0f};
+
+ChunkOnDevice upload_to_textures(std::span<const Ray> rays) {
+    ChunkOnDevice chunk;
+    chunk.count = rays.size();
+    chunk.width = kRayTextureWidth;
+    chunk.height = static_cast<uint32_t>((rays.size() + kRayTextureWidth - 1) / kRayTextureWidth);
+    const size_t texels = size_t{chunk.width} * chunk.height;
+    std::vector<vec4> origins(texels, vec4(kPaddingRay.org, kPaddingRay.tmin));
+    std::vector<vec4> directions(texels, vec4(kPaddingRay.dir, kPaddingRay.tmax));
+    for (size_t i = 0; i < rays.size(); ++i) {
+        origins[i] = vec4(rays[i].org, rays[i].tmin);
+        directions[i] = vec4(rays[i].dir, rays[i].tmax);
+    }
+    chunk.origins =
+        gl::texture_2d("ray_origins", gl::TexelFormat::rgba32f, chunk.width, chunk.height, origins);
+    chunk.directions = gl::texture_2d("ray_directions", gl::TexelFormat::rgba32f, chunk.width,
+                                      chunk.height, directions);
+    return chunk;
+}
+
+ChunkOnDevice upload_to_buffer(std::span<const Ray> rays) {
+    ChunkOnDevice chunk;
+    chunk.count = rays.size();
+    chunk.buffer = gl::Buffer::of("rays", rays);
+    return chunk;
+}
+
+Hit make_hit(const float* t_u_v, const uint32_t* ids) {
+    return {t_u_v[0], t_u_v[1], t_u_v[2], ids[0], ids[1]};
+}
+
+RayCounters make_counters(const uint32_t* c) { return {c[0], c[1], c[2], c[3]}; }
+
+class GpuTracer final : public Tracer {
+  public:
+    GpuTracer(std::string name, PreparedStrategy prepared, GpuEntry entry,
+              const gl::ShaderLibrary& library, gl::GlContext& context)
+        : name_(std::move(name)),
+          prepared_(std::move(prepared)),
+          entry_(entry),
+          library_(library),
+          context_(context),
+          glsl_version_(glsl_version_for(prepared_.info, entry, context.description().gl)) {
+        for (TextureData& texture : prepared_.inputs.textures) {
+            textures_.push_back(upload_texture(texture));
+            // The device has it now: give the memory back.
+            texture.texels = {};
+        }
+        cast_program(false);
+    }
+
+    const std::string& name() const override { return name_; }
+
+    Capabilities capabilities() const override {
+        const gl::GlDescription& description = context_.description();
+        Capabilities capabilities;
+        capabilities.counters = true;
+        capabilities.device_timer = !description.software;
+        capabilities.software_renderer = description.software;
+        capabilities.device = description.renderer;
+        capabilities.shader_hash = cast_hash_;
+        return capabilities;
+    }
+
+    std::vector<Stat> stats() const override { return prepared_.stats; }
+
+    RayBatch upload(std::span<const Ray> rays) override {
+        auto resident = std::make_shared<RaysOnDevice>();
+        for (size_t first = 0; first < rays.size(); first += max_chunk_rays()) {
+            const auto part = rays.subspan(first, std::min(max_chunk_rays(), rays.size() - first));
+            resident->chunks.push_back(entry_ == GpuEntry::fragment ? upload_to_textures(part)
+                                                                    : upload_to_buffer(part));
+        }
+        return {rays.size(), std::move(resident)};
+    }
+
+    CastResult cast(const RayBatch& batch, const CastOptions& options) override {
+        CastResult result;
+        result.hits.reserve(batch.count);
+        result.flags.reserve(batch.count);
+        const auto& rays = *static_cast<const RaysOnDevice*>(batch.resident.get());
+        for (const ChunkOnDevice& chunk : rays.chunks) {
+            if (entry_ == GpuEntry::fragment) {
+                cast_fragments(chunk, options, result);
+            } else {
+                cast_compute(chunk, options, result);
+            }
+        }
+        return result;
+    }
+
+    Frame render(const Camera& camera, const RenderSettings& settings) override {
+        Frame frame;
+        frame.width = settings.width;
+        frame.height = settings.height;
+        gl::Program& program = render_program(settings);
+        const CameraFrame view = camera_frame(camera, settings.width, settings.height);
+        program.set_uniform("camera_eye", view.eye);
+        program.set_uniform("camera_corner", view.corner);
+        program.set_uniform("camera_dx", view.dx);
+        program.set_uniform("camera_dy", view.dy);
+        if (entry_ == GpuEntry::fragment) {
+            render_fragments(program, settings, frame);
+        } else {
+            render_compute(program, settings, frame);
+        }
+        return frame;
+    }
+
+  private:
+    size_t max_chunk_rays() const {
+        size_t rays = kMaxChunkRays;
+        if (entry_ == GpuEntry::compute) {
+            rays = std::min(
+                rays, static_cast<size_t>(context_.limits().max_ssbo_bytes) / sizeof(HitRecord));
+        }
+        return rays;
+    }
+
+    // ---- Programs: one a variant ---------------------------------------------------------------
+
+    gl::Program make_program(bool cast, std::vector<gl::ShaderConstant> constants,
+                             std::string* hash) {
+        const bool fragment = entry_ == GpuEntry::fragment;
+        std::vector<gl::ComposedShader> stages;
+        stages.push_back(library_.compose({.glsl_version = glsl_version_,
+                                           .stage = fragment ? "fragment" : "compute",
+                                           .files = prepared_.files_with(entry_file(entry_, cast)),
+                                           .constants = std::move(constants)}));
+        if (hash != nullptr) *hash = stages.front().hash;
+        if (fragment) {
+            stages.push_back(library_.compose({.glsl_version = glsl_version_,
+                                               .stage = "vertex",
+                                               .files = {"entry/fullscreen.vert.glsl"},
+                                               .constants = {}}));
+        }
+        gl::Program program(name_, stages);
+        // A variant drops the textures and uniforms that it does not need.
+        for (const gl::Texture& texture : textures_) {
+            program.set_texture(texture.name(), texture, gl::Missing::allowed);
+        }
+        for (const UniformData& uniform : prepared_.inputs.uniforms) {
+            std::visit(
+                [&](const auto& value) {
+                    program.set_uniform(uniform.name, value, gl::Missing::allowed);
+                },
+                uniform.value);
+        }
+        return program;
+    }
+
+    gl::Program& cast_program(bool counters) {
+        std::optional<gl::Program>& program = cast_programs_[counters ? 1 : 0];
+        if (!program) {
+            program = make_program(true, prepared_.constants(counters, nullptr),
+                                   counters ? nullptr : &cast_hash_);
+        }
+        return *program;
+    }
+
+    gl::Program& render_program(const RenderSettings& settings) {
+        const SceneNeeds needs = scene_needs(*prepared_.scene, settings);
+        const auto same = [&](const RenderVariant& v) {
+            return v.needs == needs && v.count_work == settings.aovs;
+        };
+        auto found = std::find_if(render_programs_.begin(), render_programs_.end(), same);
+        if (found == render_programs_.end()) {
+            render_programs_.push_back(
+                {needs, settings.aovs,
+                 make_program(false, prepared_.constants(settings.aovs, &needs), nullptr)});
+            found = std::prev(render_programs_.end());
+        }
+        return found->program;
+    }
+
+    // ---- Cast ----------------------------------------------------------------------------------
+
+    void add_time(const gl::LaunchTime& time, CastResult& result) {
+        result.wall_ms += time.wall_ms;
+        result.device_ms += time.device_ms;
+    }
+
+    void cast_fragments(const ChunkOnDevice& chunk, const CastOptions& options,
+                        CastResult& result) {
+        std::vector<gl::TexelFormat> targets = {gl::TexelFormat::rgba32f,
+                                                gl::TexelFormat::rgba32ui};
+        if (options.counters) targets.push_back(gl::TexelFormat::rgba32ui);
+        gl::Framebuffer framebuffer(chunk.width, chunk.height, targets);
+        gl::Program& program = cast_program(options.counters);
+        program.set_texture("ray_origins", *chunk.origins);
+        program.set_texture("ray_directions", *chunk.directions);
+        add_time(gl::finish_and_time(context_, [&] { gl::draw_fullscreen(program, framebuffer); }),
+                 result);
+
+        const std::vector<float> hits = gl::read_floats(framebuffer.target(0));
+        const std::vector<uint32_t> ids = gl::read_uints(framebuffer.target(1));
+        for (size_t i = 0; i < chunk.count; ++i) {
+            result.hits.push_back(make_hit(&hits[4 * i], &ids[4 * i]));
+            result.flags.push_back(ids[4 * i + 2]);
+        }
+        if (!options.counters) return;
+        const std::vector<uint32_t> counters = gl::read_uints(framebuffer.target(2));
+        for (size_t i = 0; i < chunk.count; ++i) {
+            result.counters.push_back(make_counters(&counters[4 * i]));
+        }
+    }
+
+    void cast_compute(const ChunkOnDevice& chunk, const CastOptions& options, CastResult& result) {
+        const gl::Buffer hit_buffer("hits", chunk.count * sizeof(HitRecord));
+        gl::Program& program = cast_program(options.counters);
+        program.set_buffer("RayBuffer", *chunk.buffer);
+        program.set_buffer("HitBuffer", hit_buffer);
+        program.set_uniform("ray_count", static_cast<int32_t>(chunk.count));
+
+        // Groups in two dimensions: one dimension holds at least 65,535.
+        constexpr size_t kMaxGroupsX = 65535;
+        const size_t groups = (chunk.count + kCastGroup - 1) / kCastGroup;
+        const size_t groups_x = std::min(groups, kMaxGroupsX);
+        const size_t groups_y = (groups + groups_x - 1) / groups_x;
+        add_time(gl::finish_and_time(context_,
+                                     [&] { gl::dispatch(program, uvec3(groups_x, groups_y, 1)); }),
+                 result);
+
+        for (const HitRecord& record : hit_buffer.read<HitRecord>()) {
+            result.hits.push_back(make_hit(&record.hit.x, &record.ids.x));
+            result.flags.push_back(record.ids.z);
+            if (options.counters) result.counters.push_back(make_counters(&record.counters.x));
+        }
+    }
+
+    // ---- Render --------------------------------------------------------------------------------
+
+    void render_fragments(const gl::Program& program, const RenderSettings& settings,
+                          Frame& frame) {
+        using enum gl::TexelFormat;
+        std::vector<gl::TexelFormat> targets = {rgba32f};
+        if (settings.aovs) targets.insert(targets.end(), {rgba32f, rgba32ui, rgba32f, rgba32ui});
+        const gl::Framebuffer framebuffer(settings.width, settings.height, targets);
+        const gl::LaunchTime time =
+            gl::finish_and_time(context_, [&] { gl::draw_fullscreen(program, framebuffer); });
+        frame.wall_ms = time.wall_ms;
+        frame.device_ms = time.device_ms;
+
+        const size_t pixels = size_t{settings.width} * settings.height;
+        const std::vector<float> color = gl::read_floats(framebuffer.target(0));
+        frame.color.reserve(pixels);
+        for (size_t i = 0; i < pixels; ++i) {
+            frame.color.push_back(vec3(color[4 * i], color[4 * i + 1], color[4 * i + 2]));
+        }
+        if (!settings.aovs) return;
+        const std::vector<float> hits = gl::read_floats(framebuffer.target(1));
+        const std::vector<uint32_t> ids = gl::read_uints(framebuffer.target(2));
+        const std::vector<float> normals = gl::read_floats(framebuffer.target(3));
+        const std::vector<uint32_t> counters = gl::read_uints(framebuffer.target(4));
+        for (size_t i = 0; i < pixels; ++i) {
+            frame.hits.push_back(make_hit(&hits[4 * i], &ids[4 * i]));
+            frame.flags.push_back(ids[4 * i + 2]);
+            frame.normals.push_back(vec3(normals[4 * i], normals[4 * i + 1], normals[4 * i + 2]));
+            frame.counters.push_back(make_counters(&counters[4 * i]));
+        }
+    }
+
+    void render_compute(gl::Program& program, const RenderSettings& settings, Frame& frame) {
+        const size_t pixels = size_t{settings.width} * settings.height;
+        const gl::Buffer pixel_buffer("pixels", pixels * sizeof(PixelRecord));
+        program.set_buffer("PixelBuffer", pixel_buffer);
+        program.set_uniform("image_size", glm::ivec2(settings.width, settings.height));
+        const uvec2 groups =
+            (uvec2(settings.width, settings.height) + kPixelGroup - uvec2(1)) / kPixelGroup;
+        const gl::LaunchTime time =
+            gl::finish_and_time(context_, [&] { gl::dispatch(program, uvec3(groups, 1)); });
+        frame.wall_ms = time.wall_ms;
+        frame.device_ms = time.device_ms;
+
+        frame.color.reserve(pixels);
+        for (const PixelRecord& record : pixel_buffer.read<PixelRecord>()) {
+            frame.color.push_back(vec3(record.color));
+            if (!settings.aovs) continue;
+            frame.hits.push_back(make_hit(&record.hit.x, &record.ids.x));
+            frame.flags.push_back(record.ids.z);
+            frame.normals.push_back(vec3(record.normal));
+            frame.counters.push_back(make_counters(&record.counters.x));
+        }
+    }
+
+    struct RenderVariant {
+        SceneNeeds needs;
+        bool count_work = false;
+        gl::Program program;
+    };
+
+    std::string name_;
+    PreparedStrategy prepared_;
+    GpuEntry entry_;
+    const gl::ShaderLibrary& library_;
+    gl::GlContext& context_;
+    int glsl_version_;
+    std::vector<gl::Texture> textures_;
+    std::optional<gl::Program> cast_programs_[2];  ///< without and with counters
+    std::vector<RenderVariant> render_programs_;
+    std::string cast_hash_;
+};
+
+}  // namespace
+
+std::string entry_file(GpuEntry entry, bool cast) {
+    return fmt::format("entry/{}{}.glsl", cast ? "cast_" : "",
+                       entry == GpuEntry::fragment ? "fragment" : "compute");
+}
+
+int glsl_version_for(const gl::StrategyInfo& info, GpuEntry entry, int context_gl) {
+    constexpr int kComputeNeeds = 430;
+    constexpr int kPreferred = 450;
+    const int needed = entry == GpuEntry::compute ? std::max(info.gl, kComputeNeeds) : info.gl;
+    if (context_gl < needed) {
+        throw Error(
+            {fmt::format("{} in a {} shader", info.name,
+                         entry == GpuEntry::compute ? "compute" : "fragment"),
+             fmt::format("a context of OpenGL {}.{}", context_gl / 100, context_gl % 100 / 10),
+             fmt::format("at least {}.{}", needed / 100, needed % 100 / 10),
+             "Choose another device with --device, or the fragment entry."},
+            Error::Kind::device);
+    }
+    return std::max(needed, std::min(context_gl, kPreferred));
+}
+
+std::unique_ptr<Tracer> make_gpu_tracer(std::string name, PreparedStrategy prepared, GpuEntry entry,
+                                        const gl::ShaderLibrary& library, gl::GlContext& context) {
+    return std::make_unique<GpuTracer>(std::move(name), std::move(prepared), entry, library,
+                                       context);
+}
+
+}  // namespace onepass

@@ -1,0 +1,71 @@
+// What a shader reads, before it is known who runs it: named textures, uniforms and constants.
+//
+// Packing makes ShaderInputs from a scene; a GPU tracer uploads them, a twin reads them in place.
+// So both see the same numbers, and a disagreement cannot come from two packers.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "core/types.h"
+
+namespace onepass {
+
+/// How a texture stores a channel. `half`: every value of `texels` is exact in 16 bits.
+enum class ChannelFormat { half, single };
+
+/// A 2D or 3D texture. Texel (x, y, z) starts at texels[channels * (x + size.x * (y + size.y *
+/// z))].
+struct TextureData {
+    std::string name;  ///< of the sampler
+    int dimensions = 2;
+    uvec3 size{1};  ///< texels; size.z = 1 for 2D
+    int channels = 4;
+    ChannelFormat format = ChannelFormat::single;
+    std::vector<float> texels;
+
+    uint64_t bytes() const {
+        return uint64_t{size.x} * size.y * size.z * static_cast<uint64_t>(channels) *
+               (format == ChannelFormat::half ? 2 : 4);
+    }
+};
+
+struct UniformData {
+    std::string name;
+    std::variant<int32_t, float, vec3> value;
+};
+
+struct ShaderInputs {
+    std::vector<TextureData> textures;
+    std::vector<UniformData> uniforms;
+
+    /// Adds all of another's.
+    void append(ShaderInputs other);
+
+    uint64_t texture_bytes() const;
+
+    /// The texture of that name. Throws: Error if there is none.
+    const TextureData& texture(const std::string& name) const;
+};
+
+/// The largest textures a device holds, as packing needs to know it.
+struct TextureLimits {
+    uint32_t max_2d = 16384;  ///< texels a side
+    uint32_t max_3d = 2048;
+};
+
+/// A 2D texture of `records` records of `texels_per_record` RGBA32F texels each, row-major, where
+/// no record crosses a row: a power of two wide, just high enough. `what` names the records in
+/// errors. Throws: Error if the records exceed `max_side`.
+TextureData make_record_texture(const std::string& name, const std::string& what, uint64_t records,
+                                uint32_t texels_per_record, uint32_t max_side);
+
+/// The texel where record `index` of such a texture begins.
+uvec2 record_texel(const TextureData& texture, uint64_t index, uint32_t texels_per_record);
+
+/// The four floats of a texel.
+float* texel_at(TextureData& texture, uvec2 texel);
+
+}  // namespace onepass

@@ -1,0 +1,210 @@
+#include "gpu_glsl/prepared_strategy.h"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <iterator>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+#include "core/grid/two_level_grid.h"
+#include "gpu_glsl/pack/shading_tables.h"
+#include "gpu_glsl/pack/two_level_textures.h"
+
+namespace onepass {
+namespace {
+
+double ms_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+        .count();
+}
+
+// ---- The two-level grid in 2D and 3D textures --------------------------------------------------
+
+std::vector<ParamInfo> two_level_texture_params() {
+    using Type = ParamInfo::Type;
+    const TwoLevelSizing sizing;
+    return {
+        {"density",
+         Type::real,
+         fmt::format("{}", sizing.object.density),
+         "cells per triangle of the object grids (lambda)",
+         {}},
+        {"top-density",
+         Type::real,
+         fmt::format("{}", sizing.top.density),
+         "cells per instance of the top-level grid (lambda)",
+         {}},
+        {"resolution",
+         Type::text,
+         "auto",
+         "cells of every object grid, XxYxZ; overrides density",
+         {}},
+        {"top-resolution",
+         Type::text,
+         "auto",
+         "cells of the top-level grid, XxYxZ; overrides top-density",
+         {}},
+        {"address",
+         Type::choice,
+         "auto",
+         "width of a texture address: half (16-bit float) where the scene fits, else float",
+         {"auto", "half", "float"}},
+        {"atlas", Type::integer, "256", "cells a side of the cell texture, at most", {}},
+    };
+}
+
+/// "auto", or three cell counts.
+std::optional<uvec3> parse_resolution(const Params& params, const std::string& name) {
+    const std::string& text = params.text(name);
+    if (text == "auto") return std::nullopt;
+    uvec3 resolution(0);
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto [next, status] = std::from_chars(at, end, resolution[axis]);
+        const bool last = axis == 2;
+        if (status != std::errc() || (last ? next != end : next == end || *next != 'x')) {
+            throw Error({"--param " + name, "'" + text + "'", "auto, or cells as XxYxZ",
+                         "Write for example --param " + name + "=32x32x32."});
+        }
+        at = next + 1;
+    }
+    return resolution;
+}
+
+double positive(const Params& params, const std::string& name) {
+    const double value = params.real(name);
+    if (!(value > 0.0)) {
+        throw Error({"--param " + name, fmt::format("{}", value), "a number above 0",
+                     "Densities are cells per primitive; 1 to 16 is usual."});
+    }
+    return value;
+}
+
+AddressWidth address_width(const Params& params) {
+    const std::string& text = params.text("address");
+    if (text == "half") return AddressWidth::half;
+    if (text == "float") return AddressWidth::single;
+    return AddressWidth::automatic;
+}
+
+void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
+    const Params& params = prepared.params;
+    TwoLevelSizing sizing;
+    sizing.object.density = positive(params, "density");
+    sizing.object.resolution = parse_resolution(params, "resolution");
+    sizing.top.density = positive(params, "top-density");
+    sizing.top.resolution = parse_resolution(params, "top-resolution");
+    const long atlas = params.integer("atlas");
+    if (atlas < 16) {
+        throw Error({"--param atlas", fmt::format("{}", atlas), "at least 16, one block",
+                     "The default is 256."});
+    }
+
+    const TwoLevelGrid grid = build_two_level_grid(*prepared.scene, sizing);
+    const auto start = std::chrono::steady_clock::now();
+    TwoLevelTextures packed = pack_two_level_textures(
+        *prepared.scene, grid,
+        {.address = address_width(params),
+         .cell_texture_limit = static_cast<uint32_t>(std::min(atlas, 65536L)),
+         .limits = limits});
+    prepared.stats = {{"build_ms", grid.build_ms, "both levels, all threads"},
+                      {"pack_ms", ms_since(start), ""}};
+    std::move(packed.stats.begin(), packed.stats.end(), std::back_inserter(prepared.stats));
+    prepared.inputs.append(std::move(packed.inputs));
+}
+
+// ---- All structures and storages ---------------------------------------------------------------
+
+/// How one storage of one structure is parametrised, built and packed.
+struct Packing {
+    const char* structure;
+    const char* storage;
+    std::vector<ParamInfo> (*params)();
+    void (*pack)(PreparedStrategy&, const TextureLimits&);
+};
+
+constexpr Packing kPackings[] = {
+    {"two_level_grid", "texture2d", two_level_texture_params, pack_two_level},
+};
+
+const Packing& find_packing(const gl::StrategyInfo& info, const std::string& storage) {
+    for (const Packing& packing : kPackings) {
+        if (info.structure == packing.structure && storage == packing.storage) return packing;
+    }
+    throw Error({info.file, fmt::format("structure '{}' in storage '{}'", info.structure, storage),
+                 "a pair that gpu_glsl/prepared_strategy.cpp knows how to pack",
+                 "Add its builder and packing to kPackings there."});
+}
+
+gl::ShaderConstant param_constant(const ParamInfo& info, const Params& params) {
+    switch (info.type) {
+        case ParamInfo::Type::real:
+            return {info.name, static_cast<float>(params.real(info.name))};
+        case ParamInfo::Type::integer:
+            return {info.name, static_cast<int32_t>(params.integer(info.name))};
+        case ParamInfo::Type::choice: {
+            // A choice becomes its position in the list.
+            const auto chosen =
+                std::find(info.choices.begin(), info.choices.end(), params.text(info.name));
+            return {info.name, static_cast<int32_t>(chosen - info.choices.begin())};
+        }
+        case ParamInfo::Type::text:
+            break;
+    }
+    throw Error({"parameter '" + info.name + "'", "a text", "real, integer or choice",
+                 "Shader constants have no texts: change the strategy's front matter."});
+}
+
+}  // namespace
+
+std::vector<std::string> PreparedStrategy::files_with(const std::string& entry_file) const {
+    return {fmt::format("storage/{}/{}.glsl", info.structure, storage), info.file, entry_file};
+}
+
+std::vector<gl::ShaderConstant> PreparedStrategy::constants(bool count_work,
+                                                            const SceneNeeds* needs) const {
+    std::vector<gl::ShaderConstant> all = {{"count_work", count_work}};
+    all.insert(all.end(), param_constants.begin(), param_constants.end());
+    if (needs != nullptr) {
+        for (gl::ShaderConstant& constant : shading_constants(*needs)) {
+            all.push_back(std::move(constant));
+        }
+    }
+    return all;
+}
+
+std::vector<ParamInfo> strategy_params(const gl::StrategyInfo& info, const std::string& storage) {
+    std::vector<ParamInfo> params = info.params;
+    for (ParamInfo& param : find_packing(info, storage).params()) {
+        params.push_back(std::move(param));
+    }
+    return params;
+}
+
+PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::string& storage,
+                                  ScenePtr scene, const ParamValues& values,
+                                  const TextureLimits& limits) {
+    PreparedStrategy prepared{.info = info,
+                              .storage = storage,
+                              .scene = std::move(scene),
+                              .params = Params(info.name, strategy_params(info, storage), values),
+                              .inputs = {},
+                              .param_constants = {},
+                              .stats = {}};
+    for (const ParamInfo& param : info.params) {
+        prepared.param_constants.push_back(param_constant(param, prepared.params));
+    }
+    find_packing(info, storage).pack(prepared, limits);
+    const double structure_bytes = static_cast<double>(prepared.inputs.texture_bytes());
+    prepared.inputs.append(pack_shading_tables(
+        *prepared.scene, scene_needs(*prepared.scene, {}).smooth_normals, limits));
+    prepared.stats.push_back(
+        {"device_bytes", structure_bytes, "structure, without shading tables"});
+    return prepared;
+}
+
+}  // namespace onepass

@@ -1,0 +1,44 @@
+// A strategy made ready for one scene: the structure built, packed, and its parameters read.
+//
+// GPU tracers and twins start from the same PreparedStrategy; they differ in who runs the shader.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/catalogue.h"
+#include "core/params.h"
+#include "core/scene_needs.h"
+#include "gpu_glsl/gl/shader_library.h"
+#include "gpu_glsl/pack/shader_inputs.h"
+
+namespace onepass {
+
+struct PreparedStrategy {
+    gl::StrategyInfo info;
+    std::string storage;
+    ScenePtr scene;
+    Params params;
+    ShaderInputs inputs;                              ///< the structure's and the shading tables
+    std::vector<gl::ShaderConstant> param_constants;  ///< the strategy's own parameters
+    std::vector<Stat> stats;
+
+    /// The roots of a shader: storage, strategy, then the entry.
+    std::vector<std::string> files_with(const std::string& entry_file) const;
+
+    /// All constants of a variant. `needs`: what the frame asks for; nullptr for `cast`, which
+    /// shades nothing.
+    std::vector<gl::ShaderConstant> constants(bool count_work, const SceneNeeds* needs) const;
+};
+
+/// The parameters a user may set: those of the structure, of the storage and of the strategy.
+/// Throws: Error if no packing is known for the structure and storage.
+std::vector<ParamInfo> strategy_params(const gl::StrategyInfo& info, const std::string& storage);
+
+/// Builds the structure and packs it.
+/// Throws: Error for bad parameter values, or a scene that does not fit the limits.
+PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::string& storage,
+                                  ScenePtr scene, const ParamValues& values,
+                                  const TextureLimits& limits);
+
+}  // namespace onepass

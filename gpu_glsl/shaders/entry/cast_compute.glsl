@@ -1,0 +1,32 @@
+// Entry: given rays, one an invocation.
+#include "lib/ray.glsl"
+
+layout(local_size_x = 64) in;
+
+struct RayRecord {
+    vec4 origin;     // org, tmin
+    vec4 direction;  // dir, tmax
+};
+struct HitRecord {
+    vec4 hit;        // t, u, v
+    uvec4 ids;       // prim_id, inst_id, flags
+    uvec4 counters;  // cells, tests, references, rays
+};
+layout(std430, binding = 0) readonly buffer RayBuffer { RayRecord rays[]; };
+layout(std430, binding = 1) writeonly buffer HitBuffer { HitRecord hits[]; };
+
+UNIFORM(int, ray_count)
+
+void main() {
+    // Groups are laid out in two dimensions, because one holds at most 65,535 of them.
+    int index = int((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u +
+                    gl_LocalInvocationID.x);
+    if (index >= ray_count) return;
+    RayRecord record = rays[index];
+    reset_counters();
+    Hit hit = closest_hit(
+        Ray(record.origin.xyz, record.origin.w, record.direction.xyz, record.direction.w));
+    hits[index] = HitRecord(vec4(hit.t, hit.u, hit.v, 0.0),
+                            uvec4(hit.prim_id, hit.inst_id, ray_flags, 0u),
+                            uvec4(cells_visited, triangle_tests, references_read, 1u));
+}

@@ -1,0 +1,52 @@
+// The entries of a twin: what entry/*.glsl do on the GPU, for a strategy compiled as C++.
+//
+// `Program` is a struct whose members are the strategy's whole shader text (twin_unit.cpp.in).
+#pragma once
+
+#include "gpu_glsl/twin/twin_unit.h"
+
+namespace onepass::twin {
+
+template <class Program>
+RayCounters counters_of(const Program& program, uint32_t rays) {
+    return {program.cells_visited, program.triangle_tests, program.references_read, rays};
+}
+
+template <class Program, class ShaderHit>
+Hit to_hit(const ShaderHit& hit) {
+    return {static_cast<float>(hit.t), static_cast<float>(hit.u), static_cast<float>(hit.v),
+            hit.prim_id, hit.inst_id};
+}
+
+template <class Program>
+void cast_rays(const Bindings& bindings, std::span<const Ray> rays, const CastOutput& out) {
+    using Vec3 = typename Program::Vec3;
+    Program program(bindings);
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const Ray& ray = rays[i];
+        program.reset_counters();
+        out.hits[i] = to_hit<Program>(program.closest_hit(
+            typename Program::Ray{Vec3(ray.org), ray.tmin, Vec3(ray.dir), ray.tmax}));
+        out.flags[i] = program.ray_flags;
+        if (!out.counters.empty()) out.counters[i] = counters_of(program, 1);
+    }
+}
+
+template <class Program>
+void render_rows(const Bindings& bindings, uint32_t first_row, uint32_t last_row, Frame& frame) {
+    Program program(bindings);
+    for (uint32_t y = first_row; y < last_row; ++y) {
+        for (uint32_t x = 0; x < frame.width; ++x) {
+            program.reset_counters();
+            const auto pixel = program.trace_pixel(glm::ivec2(x, y));
+            const size_t i = x + size_t{frame.width} * y;
+            frame.color[i] = vec3(pixel.color);
+            frame.flags[i] = program.ray_flags;
+            frame.counters[i] = counters_of(program, program.rays_cast);
+            frame.hits[i] = to_hit<Program>(pixel.primary);
+            frame.normals[i] = vec3(pixel.normal);
+        }
+    }
+}
+
+}  // namespace onepass::twin
