@@ -5,11 +5,8 @@
 // extent in double, and cell (x, y, z) is the box [x, x + 1] x [y, y + 1] x [z, z + 1], widened by
 // kBinningPad on each side. The traversals use the same cells, unwidened.
 //
-// Rounding. Coordinates in cells are at most M = 2^31 (kMaxCells). The float inputs are exact in
-// double; the map to cells, a projection onto an axis and the solution for x take fewer than 16
-// roundings of 2^-53 each, relative to M. A comparison is thus wrong by less than
-// 16 * 2^31 * 2^-53 = 4e-6 cells, and only in favour of a reference or within the pad of 1e-3
-// cells: a triangle that touches the closed, unwidened cell is always found.
+// Rounding is bounded by kBinningRounding, and the pad swallows it: a triangle that touches the
+// closed, unwidened cell is always found.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +18,14 @@
 
 namespace onepass {
 
-static_assert(kBinningPad > 16.0 * double(kMaxCells) * 0x1p-53 * 100.0,
-              "the pad must dwarf the rounding of the overlap test");
+/// How far a comparison may be off by rounding, in cells: 16 * 2^31 * 2^-53 = 4e-6.
+///
+/// Reason: the float inputs are exact in double, and coordinates in cells are at most kMaxCells.
+/// The map to cells, the projection onto an axis and the solution for x take fewer than 16
+/// roundings, each of 2^-53 relative to that. Projections scale with the length of the axis, but so
+/// does the pad's, so the bound holds for every axis.
+inline constexpr double kBinningRounding = 16.0 * double(kMaxCells) * 0x1p-53;
+static_assert(kBinningPad > 100.0 * kBinningRounding, "the pad must dwarf the rounding");
 
 /// The map from the primitives' frame to cell units.
 struct CellFrame {

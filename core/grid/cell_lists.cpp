@@ -69,8 +69,9 @@ void order_range(const CellReference* first, const CellReference* last, uint64_t
         begin[cell] = position;
         position += count;
     }
-    for (const CellReference* r = first; r != last; ++r)
+    for (const CellReference* r = first; r != last; ++r) {
         references[begin[r->cell]++] = r->primitive;
+    }
 }
 
 }  // namespace

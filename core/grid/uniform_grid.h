@@ -39,9 +39,9 @@ struct UniformGrid {
 /// Cell ranges are widened by kBinningPad of a cell on each side, so that a traversal whose cell
 /// arithmetic is off by less never misses a reference.
 /// Cost:   O(boxes + references) time and memory; parallel, the same bits for any thread count.
-/// Throws: Error if there is no box, if a box is empty or not finite, if references exceed 2^32 -
-/// 1, and as grid_resolution and padded_bounds. Source: Fujimoto 1985; Adinetz & Berezin, section 3
-/// (top level: scene subdivision).
+/// Throws: Error if there is no box, if one is empty or not finite, or if references exceed
+/// 2^32 - 1; and as grid_resolution and padded_bounds.
+/// Source: Fujimoto 1985; Adinetz & Berezin, section 3 (top level: scene subdivision).
 UniformGrid build_box_grid(std::span<const Bounds> boxes, const GridSizing& sizing);
 
 /// Builds a grid over an object's triangles: a triangle is referenced by every cell that its exact
