@@ -59,6 +59,14 @@ vec3 exit_ts(Walk walk) {
     return (planes - walk.org) / walk.dir;
 }
 
+// D13: whether the walk is in a cell of its grid. It is not once t has drifted past the grid's border
+// before the ray's exit, or when the ray's numbers are not finite.
+bool in_grid(Walk walk, Grid grid) {
+    vec3 centre = walk.voxel + 0.5 * cell_size();
+    return centre.x > grid.lower.x && centre.y > grid.lower.y && centre.z > grid.lower.z &&
+           centre.x < grid.upper.x && centre.y < grid.upper.y && centre.z < grid.upper.z;
+}
+
 // Takes the part of the ray in [t_start, t_stop] to the cell where it enters the grid. A ray that
 // misses the grid comes back with t_start > t_exit.
 Walk begin_walk(Grid grid, vec3 org, vec3 dir, float t_start, float t_stop) {
@@ -76,7 +84,7 @@ Walk begin_walk(Grid grid, vec3 org, vec3 dir, float t_start, float t_stop) {
 
     // The cell of the entry point (D5: floor, not ceil; D14: never outside the box).
     vec3 entry = walk.org + walk.dir * walk.t_start;
-    walk.voxel = clamp(floor(entry / l) * l, grid.lower, grid.upper - l);
+    walk.voxel = lesser(greater(floor(entry / l) * l, grid.lower), grid.upper - l);
 
     walk.sign_dir = sign(walk.dir) * l;
     walk.delta_ts = l / abs(walk.dir);
@@ -85,17 +93,12 @@ Walk begin_walk(Grid grid, vec3 org, vec3 dir, float t_start, float t_stop) {
     return walk;
 }
 
-bool missed(Walk walk) { return !(walk.t_start <= walk.t_exit); }
+bool missed(Walk walk, Grid grid) {
+    return !(walk.t_start <= walk.t_exit && in_grid(walk, grid));
+}
 
 // D3: asked before stepping, or the last cell is lost.
 bool finished(Walk walk) { return !(walk.t_end < walk.t_exit); }
-
-// D13: t has drifted past the grid's border before the ray's exit was reached.
-bool outside(Walk walk, Grid grid) {
-    vec3 centre = walk.voxel + 0.5 * cell_size();
-    return centre.x < grid.lower.x || centre.y < grid.lower.y || centre.z < grid.lower.z ||
-           centre.x > grid.upper.x || centre.y > grid.upper.y || centre.z > grid.upper.z;
-}
 
 // nextVoxel(): crosses the nearest plane, or all planes at the same t. False if there is no next cell.
 bool next_voxel(Grid grid, INOUT(Walk) walk) {
@@ -113,7 +116,7 @@ bool next_voxel(Grid grid, INOUT(Walk) walk) {
         walk.next_ts = exit_ts(walk);
     }
     walk.t_end = lesser(smallest(walk.next_ts), walk.t_exit);
-    return !outside(walk, grid);
+    return in_grid(walk, grid);
 }
 
 // D7: a cell is fetched at its centre, not at its corner, where two texels meet.
@@ -151,7 +154,7 @@ void intersect_instance(vec2 address, Ray ray, float t_start, float t_stop, INOU
                     plane_along(instance.row2, ray.dir));
     Grid grid = fetch_grid(instance.grid);
     Walk walk = begin_walk(grid, org, dir, t_start, t_stop);
-    if (missed(walk)) return;
+    if (missed(walk, grid)) return;
 
     bool done = false;
     for (int steps = 0; steps < grid.step_budget; ++steps) {
@@ -179,7 +182,7 @@ Hit closest_hit(Ray ray) {
     Hit hit = no_hit();
     Grid grid = fetch_grid(top_grid_address());
     Walk walk = begin_walk(grid, ray.org, ray.dir, ray.tmin, ray.tmax);
-    if (missed(walk)) return hit;
+    if (missed(walk, grid)) return hit;
 
     CellList list = list_of_cell(walk);
     bool done = false;
