@@ -7,11 +7,16 @@
 
 namespace onepass {
 
+/// The four entries. Rays that Embree would abort on are answered as misses flagged
+/// kFlagOracleInvalid (see cpu_ref/embree_scene.h). For Query::any only Hit::is_hit() is an answer.
+/// device_ms is NaN; wall_ms is the loop over the rays.
+///
 /// embree/robust/threads, embree/fast/threads, embree/robust/1thread, embree/fast/1thread. The
 /// first is the reference of every check.
 std::vector<CatalogueEntry> embree_tracers();
 
 /// "Embree 3.13.5 (Debian build with assertions), ..." for manifests and `doctor`.
+/// Throws: Error of Kind::device if Embree cannot open a device.
 std::string embree_description();
 
 }  // namespace onepass
