@@ -105,8 +105,8 @@ uint32_t group_of_triangle(const Object& object, uint32_t prim_id);
 /// Throws: Error naming the object, triangle or node at fault.
 void validate(const Scene& scene);
 
-/// A camera that sees the whole scene: eye = centre + normalize(0.3, 0.25, 1) * 0.75 * diagonal,
-/// looking at the centre, y up, 45 degrees (the bunny view of the published figures).
+/// A camera that sees the whole box: from the direction (0.3, 0.25, 1), y up, 45 degrees, at the
+/// least distance that shows all corners in a square image, with a margin of 5 %.
 Camera automatic_camera(const Bounds& bounds);
 
 /// A camera at `eye` that looks at `target`.

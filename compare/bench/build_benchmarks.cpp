@@ -6,6 +6,7 @@
 #include "compare/bench/bench_scenes.h"
 #include "compare/bench/versus_embree.h"
 #include "core/grid/two_level_grid.h"
+#include "gpu_glsl/pack/two_level_textures.h"
 
 namespace onepass {
 namespace {
@@ -15,6 +16,20 @@ void grid_build(benchmark::State& state, const Scene& scene) {
                               [&] { return build_two_level_grid(scene, TwoLevelSizing{}); });
 }
 
+/// Packing alone, from a grid that is there.
+void grid_pack(benchmark::State& state, const Scene& scene) {
+    const TwoLevelGrid grid = build_two_level_grid(scene, TwoLevelSizing{});
+    run_against_embree_commit(state, scene,
+                              [&] { return pack_two_level_textures(scene, grid, {}); });
+}
+
+/// What a GPU tracer does before its first upload.
+void grid_build_and_pack(benchmark::State& state, const Scene& scene) {
+    run_against_embree_commit(state, scene, [&] {
+        return pack_two_level_textures(scene, build_two_level_grid(scene, TwoLevelSizing{}), {});
+    });
+}
+
 struct BuildBenchmark {
     const char* name;
     void (*run)(benchmark::State&, const Scene&);
@@ -22,6 +37,8 @@ struct BuildBenchmark {
 
 constexpr BuildBenchmark kBenchmarks[] = {
     {"grid_build", grid_build},
+    {"grid_pack", grid_pack},
+    {"grid_build_and_pack", grid_build_and_pack},
 };
 
 }  // namespace

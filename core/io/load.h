@@ -25,6 +25,12 @@ struct LoadedScene {
 /// indices out of range, numbers that are not finite, transforms that cannot be inverted.
 LoadedScene load_scene_file(const std::filesystem::path& path);
 
+/// The two halves of load_scene_file, for who has a camera or light of his own to put between:
+/// the scene as the file has it (it has passed validate()) ...
+LoadedScene read_scene_file(const std::filesystem::path& path);
+/// ... and an automatic camera, a light and their notes where it has none.
+void supply_missing(LoadedScene& loaded);
+
 /// Writes glTF 2.0: .glb, or .gltf with its buffer beside it as .bin. Scene -> file -> Scene gives
 /// an equal value. Written whole or not at all (temporary file, then rename).
 /// Throws: Error if the path cannot be written.

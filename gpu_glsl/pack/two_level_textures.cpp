@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <numeric>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 #include <glm/gtc/packing.hpp>
@@ -27,13 +29,28 @@ constexpr uint32_t kHalfCountLimit = 2048;
 
 float round_to_half(float value) { return glm::unpackHalf1x16(glm::packHalf1x16(value)); }
 
-/// The normalised coordinates of a texel's centre.
-vec2 address_of(uvec2 texel, uvec2 size, AddressWidth width) {
-    const vec2 address((static_cast<float>(texel.x) + 0.5f) / static_cast<float>(size.x),
-                       (static_cast<float>(texel.y) + 0.5f) / static_cast<float>(size.y));
-    if (width == AddressWidth::single) return address;
-    return vec2(round_to_half(address.x), round_to_half(address.y));
-}
+/// The normalised coordinates of texel centres, tabulated: packing asks for each of them many
+/// times, and rounding to half is slow.
+class AddressTable {
+  public:
+    AddressTable(const TextureData& texture, AddressWidth width)
+        : x_(centres(texture.size.x, width)), y_(centres(texture.size.y, width)) {}
+
+    vec2 operator()(uvec2 texel) const { return vec2(x_[texel.x], y_[texel.y]); }
+
+  private:
+    static std::vector<float> centres(uint32_t side, AddressWidth width) {
+        std::vector<float> table(side);
+        for (uint32_t k = 0; k < side; ++k) {
+            const float centre = (static_cast<float>(k) + 0.5f) / static_cast<float>(side);
+            table[k] = width == AddressWidth::half ? round_to_half(centre) : centre;
+        }
+        return table;
+    }
+
+    std::vector<float> x_;
+    std::vector<float> y_;
+};
 
 // ---- Triangles: four planes each ---------------------------------------------------------------
 
@@ -141,51 +158,58 @@ CellAtlas make_atlas(const std::vector<const UniformGrid*>& grids, uint32_t limi
 
 // ---- Lists of references -----------------------------------------------------------------------
 
-/// Rows of references: a list never crosses a row.
-struct ReferenceRows {
+/// Where the lists lie in the reference texture: a list never crosses a row.
+struct ListLayout {
     uint32_t width = 0;
     uint64_t rows = 0;
+    /// One a grid, one entry a cell: the index (column + width * row) of the cell's first
+    /// reference.
+    std::vector<std::vector<uint32_t>> first;
+
+    uvec2 texel(size_t grid, uint64_t cell) const {
+        return uvec2(first[grid][cell] % width, first[grid][cell] / width);
+    }
 };
 
-/// Calls place(texel) for every list in order, and tells how many rows they take at that width.
-template <class Place>
-uint64_t lay_lists(const std::vector<const UniformGrid*>& grids, uint32_t width, Place&& place) {
+ListLayout lay_lists(const std::vector<const UniformGrid*>& grids, uint32_t width) {
+    ListLayout layout;
+    layout.width = width;
     uint64_t row = 0;
     uint32_t column = 0;
-    for (size_t g = 0; g < grids.size(); ++g) {
-        const UniformGrid& grid = *grids[g];
-        const uint64_t cells = grid.cell_count();
-        for (uint64_t cell = 0; cell < cells; ++cell) {
-            const uint32_t count = grid.cell_begin[cell + 1] - grid.cell_begin[cell];
-            if (count == 0) continue;
+    for (const UniformGrid* grid : grids) {
+        std::vector<uint32_t>& first = layout.first.emplace_back(grid->cell_count());
+        for (uint64_t cell = 0; cell < first.size(); ++cell) {
+            const uint32_t count = grid->cell_begin[cell + 1] - grid->cell_begin[cell];
             if (column + count > width) {
                 ++row;
                 column = 0;
             }
-            place(g, cell, count, uvec2(column, row));
+            first[cell] = static_cast<uint32_t>(column + width * row);
             column += count;
         }
     }
-    return row + 1;
+    layout.rows = row + 1;
+    return layout;
 }
 
-ReferenceRows choose_rows(const std::vector<const UniformGrid*>& grids, uint32_t longest,
-                          uint32_t max_side) {
-    ReferenceRows result;
-    for (uint32_t width = std::bit_ceil(std::max(longest, 16u)); width <= max_side; width *= 2) {
-        result.width = width;
-        result.rows = lay_lists(grids, width, [](size_t, uint64_t, uint32_t, uvec2) {});
-        if (result.rows <= width) break;
+/// As square as powers of two allow.
+ListLayout choose_layout(const std::vector<const UniformGrid*>& grids, uint32_t longest,
+                         uint32_t max_side) {
+    uint64_t references = 0;
+    for (const UniformGrid* grid : grids) references += grid->references.size();
+    const auto least_square = static_cast<uint64_t>(std::sqrt(static_cast<double>(references)));
+    uint64_t width = std::bit_ceil(std::max({uint64_t{longest}, least_square, uint64_t{16}}));
+    width = std::min<uint64_t>(width, max_side);
+    if (longest <= width) {
+        for (; width <= max_side; width *= 2) {
+            ListLayout layout = lay_lists(grids, static_cast<uint32_t>(width));
+            if (layout.rows <= max_side) return layout;
+        }
     }
-    if (result.width == 0 || result.rows > max_side) {
-        uint64_t references = 0;
-        for (const UniformGrid* grid : grids) references += grid->references.size();
-        throw Error({"texture 'references'",
-                     fmt::format("{} references, {} in the longest list", references, longest),
-                     fmt::format("lists within rows of {0} texels, and at most {0} rows", max_side),
-                     "Use --param address=float, or lower --param density."});
-    }
-    return result;
+    throw Error({"texture 'references'",
+                 fmt::format("{} references, {} in the longest list", references, longest),
+                 fmt::format("lists within rows of {0} texels, and at most {0} rows", max_side),
+                 "Use --param address=float, or lower --param density."});
 }
 
 /// The longest list of a grid.
@@ -229,6 +253,7 @@ TextureData pack_instances(const Scene& scene, const TextureData& grids, Address
                            uint32_t max_side) {
     TextureData texture = make_record_texture("instances", "instances", scene.instances.size(),
                                               kInstanceTexels, max_side);
+    const AddressTable grid_address(grids, width);
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
         const Affine m(inverse(instance.world_from_object));
@@ -237,8 +262,7 @@ TextureData pack_instances(const Scene& scene, const TextureData& grids, Address
             for (int column = 0; column < 4; ++column) *out++ = m[column][row];
         }
         const vec2 grid =
-            address_of(record_texel(grids, uint64_t{1} + instance.object, kGridTexels),
-                       uvec2(grids.size), width);
+            grid_address(record_texel(grids, uint64_t{1} + instance.object, kGridTexels));
         *out++ = grid.x;
         *out++ = grid.y;
         *out++ = exact_float(i, "instance number");
@@ -287,39 +311,53 @@ TwoLevelTextures pack_with_width(const Scene& scene, const TwoLevelGrid& grid, A
         .size = atlas.size,
         .format = address_format,
         .texels = std::vector<float>(size_t{4} * atlas.size.x * atlas.size.y * atlas.size.z, 0.0f)};
-    const ReferenceRows rows = choose_rows(grids, longest, max_side);
+    const ListLayout lists = choose_layout(grids, longest, max_side);
     TextureData references{.name = "references",
-                           .size = uvec3(rows.width, rows.rows, 1),
+                           .size = uvec3(lists.width, lists.rows, 1),
                            .channels = 2,
                            .format = address_format,
-                           .texels = std::vector<float>(size_t{2} * rows.width * rows.rows, 0.0f)};
-    const uvec2 reference_size(references.size);
-    lay_lists(grids, rows.width, [&](size_t g, uint64_t cell, uint32_t count, uvec2 texel) {
+                           .texels = std::vector<float>(2 * lists.width * lists.rows, 0.0f)};
+    const AddressTable list_address(references, width);
+    const AddressTable instance_address(instances, width);
+    const AddressTable triangle_address(triangles, width);
+    for (size_t g = 0; g < grids.size(); ++g) {
         const UniformGrid& source = *grids[g];
-        const uvec3 at =
-            atlas.corners[g] + uvec3(cell % source.dims.x, cell / source.dims.x % source.dims.y,
-                                     cell / source.dims.x / source.dims.y);
-        const vec2 list = address_of(texel, reference_size, width);
-        float* out =
-            &cells.texels[4 * (at.x + size_t{atlas.size.x} * (at.y + size_t{atlas.size.y} * at.z))];
-        out[0] = list.x;
-        out[1] = list.y;
-        out[2] = static_cast<float>(count);
+        const bool top = g == 0;
+        const TextureData& target = top ? instances : triangles;
+        const AddressTable& target_address = top ? instance_address : triangle_address;
+        const auto texels_per_record =
+            static_cast<uint32_t>(top ? kInstanceTexels : kTriangleTexels);
+        const uint64_t first_record = top ? 0 : first_triangle[g - 1];
+        tbb::parallel_for(
+            tbb::blocked_range<uint64_t>(0, source.cell_count()), [&](const auto& range) {
+                for (uint64_t cell = range.begin(); cell != range.end(); ++cell) {
+                    const std::span<const uint32_t> list(
+                        source.references.data() + source.cell_begin[cell],
+                        source.references.data() + source.cell_begin[cell + 1]);
+                    if (list.empty()) continue;
+                    const uvec3 at = atlas.corners[g] + uvec3(cell % source.dims.x,
+                                                              cell / source.dims.x % source.dims.y,
+                                                              cell / source.dims.x / source.dims.y);
+                    const uvec2 texel = lists.texel(g, cell);
+                    const vec2 address = list_address(texel);
+                    float* out =
+                        &cells.texels[4 * (at.x + size_t{atlas.size.x} *
+                                                      (at.y + size_t{atlas.size.y} * at.z))];
+                    out[0] = address.x;
+                    out[1] = address.y;
+                    out[2] = static_cast<float>(list.size());
 
-        const TextureData& target = g == 0 ? instances : triangles;
-        const uint32_t record_texels =
-            static_cast<uint32_t>(g == 0 ? kInstanceTexels : kTriangleTexels);
-        const uint64_t first_record = g == 0 ? 0 : first_triangle[g - 1];
-        float* reference = &references.texels[2 * (texel.x + size_t{rows.width} * texel.y)];
-        for (uint32_t k = 0; k < count; ++k) {
-            const uint32_t primitive = source.references[source.cell_begin[cell] + k];
-            const vec2 address =
-                address_of(record_texel(target, first_record + primitive, record_texels),
-                           uvec2(target.size), width);
-            *reference++ = address.x;
-            *reference++ = address.y;
-        }
-    });
+                    float* reference =
+                        &references.texels[2 * (texel.x + size_t{lists.width} * texel.y)];
+                    for (const uint32_t primitive : list) {
+                        const vec2 to = target_address(
+                            record_texel(target, first_record + primitive, texels_per_record));
+                        *reference++ = to.x;
+                        *reference++ = to.y;
+                    }
+                }
+            });
+    }
 
     // Grid records. A walk crosses at most dims.x + dims.y + dims.z planes; the top loop also takes
     // a turn for each reference on its way.
@@ -349,7 +387,7 @@ TwoLevelTextures pack_with_width(const Scene& scene, const TwoLevelGrid& grid, A
         {"longest_list", static_cast<double>(longest), "references in one cell"},
         {"cell_bytes", static_cast<double>(cells.bytes()), atlas_note},
         {"reference_bytes", static_cast<double>(references.bytes()),
-         fmt::format("{} rows of {}", rows.rows, rows.width)},
+         fmt::format("{} rows of {}", lists.rows, lists.width)},
         {"triangle_bytes", static_cast<double>(triangles.bytes()), "four planes each"},
         {"address_bits", half ? 16.0 : 32.0, "width of a texture address"},
     };

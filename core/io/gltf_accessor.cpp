@@ -1,0 +1,146 @@
+#include "core/io/gltf_accessor.h"
+
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "core/error.h"
+
+namespace onepass {
+namespace {
+
+[[noreturn]] void throw_broken(const std::string& where, const std::string& got,
+                               const std::string& expected) {
+    throw Error({where, got, expected, "Export the file again."});
+}
+
+template <class T>
+const T& item(const std::vector<T>& items, int index, const char* kind, const std::string& where) {
+    if (index < 0 || static_cast<size_t>(index) >= items.size()) {
+        throw_broken(where, fmt::format("{} {}", kind, index),
+                     fmt::format("one of the file's {}", items.size()));
+    }
+    return items[static_cast<size_t>(index)];
+}
+
+/// `count` elements of `size` bytes, copied from a buffer view into consecutive bytes.
+std::vector<unsigned char> packed_elements(const tinygltf::Model& model, int view_index,
+                                           size_t offset, size_t count, size_t size,
+                                           const std::string& where) {
+    const tinygltf::BufferView& view = item(model.bufferViews, view_index, "bufferView", where);
+    const tinygltf::Buffer& buffer = item(model.buffers, view.buffer, "buffer", where);
+    if (view.byteOffset > buffer.data.size() ||
+        view.byteLength > buffer.data.size() - view.byteOffset) {
+        throw_broken(where,
+                     fmt::format("bufferView {} with bytes {} + {}", view_index, view.byteOffset,
+                                 view.byteLength),
+                     fmt::format("bytes within its buffer of {}", buffer.data.size()));
+    }
+    const size_t stride = view.byteStride == 0 ? size : view.byteStride;
+    const bool fits =
+        count == 0 || (offset <= view.byteLength && size <= view.byteLength - offset &&
+                       (count - 1) <= (view.byteLength - offset - size) / stride);
+    if (!fits) {
+        throw_broken(
+            where, fmt::format("{} elements of {} bytes at {}", count, size, offset),
+            fmt::format("elements within bufferView {} of {} bytes", view_index, view.byteLength));
+    }
+    std::vector<unsigned char> packed(count * size);
+    const unsigned char* source = buffer.data.data() + view.byteOffset + offset;
+    if (count > 0 && stride == size) {
+        std::memcpy(packed.data(), source, packed.size());
+    } else {
+        for (size_t i = 0; i < count; ++i) {
+            std::memcpy(packed.data() + i * size, source + i * stride, size);
+        }
+    }
+    return packed;
+}
+
+std::vector<uint32_t> widened_indices(const std::vector<unsigned char>& bytes, size_t size) {
+    std::vector<uint32_t> indices(bytes.size() / size);
+    for (size_t i = 0; i < indices.size(); ++i) {
+        for (size_t k = 0; k < size; ++k) {  // glTF is little-endian
+            indices[i] |= static_cast<uint32_t>(bytes[i * size + k]) << (8 * k);
+        }
+    }
+    return indices;
+}
+
+/// 1, 2 or 4 for an unsigned component type.
+size_t index_size(int component_type, const std::string& where) {
+    switch (component_type) {
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+            return 1;
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+            return 2;
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+            return 4;
+        default:
+            throw_broken(where, fmt::format("indices of component type {}", component_type),
+                         "unsigned 8, 16 or 32 bit indices");
+    }
+}
+
+/// All elements of an accessor, sparse substitution done.
+std::vector<unsigned char> accessor_bytes(const tinygltf::Model& model,
+                                          const tinygltf::Accessor& accessor, size_t size,
+                                          const std::string& where) {
+    std::vector<unsigned char> bytes = packed_elements(
+        model, accessor.bufferView, accessor.byteOffset, accessor.count, size, where);
+    if (!accessor.sparse.isSparse) return bytes;
+
+    const auto& sparse = accessor.sparse;
+    if (sparse.count < 0 || sparse.indices.byteOffset < 0 || sparse.values.byteOffset < 0) {
+        throw_broken(where, "a sparse accessor with a negative count or offset", "0 or more");
+    }
+    const auto count = static_cast<size_t>(sparse.count);
+    const size_t size_of_index = index_size(sparse.indices.componentType, where);
+    const std::vector<uint32_t> targets =
+        widened_indices(packed_elements(model, sparse.indices.bufferView,
+                                        static_cast<size_t>(sparse.indices.byteOffset), count,
+                                        size_of_index, where),
+                        size_of_index);
+    const std::vector<unsigned char> values =
+        packed_elements(model, sparse.values.bufferView,
+                        static_cast<size_t>(sparse.values.byteOffset), count, size, where);
+    for (size_t i = 0; i < count; ++i) {
+        if (targets[i] >= accessor.count) {
+            throw_broken(where, fmt::format("sparse index {}", targets[i]),
+                         fmt::format("one below {}", accessor.count));
+        }
+        std::memcpy(bytes.data() + targets[i] * size, values.data() + i * size, size);
+    }
+    return bytes;
+}
+
+}  // namespace
+
+std::vector<vec3> read_vec3_accessor(const tinygltf::Model& model, int accessor,
+                                     const std::string& where) {
+    const tinygltf::Accessor& a = item(model.accessors, accessor, "accessor", where);
+    if (a.type != TINYGLTF_TYPE_VEC3 || a.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
+        throw_broken(where, fmt::format("type {}, component type {}", a.type, a.componentType),
+                     "three 32 bit floats an element");
+    }
+    const std::vector<unsigned char> bytes = accessor_bytes(model, a, sizeof(vec3), where);
+    std::vector<vec3> vectors(a.count);
+    for (size_t i = 0; i < vectors.size(); ++i) {
+        float xyz[3];
+        std::memcpy(xyz, bytes.data() + i * sizeof(xyz), sizeof(xyz));
+        vectors[i] = vec3(xyz[0], xyz[1], xyz[2]);
+    }
+    return vectors;
+}
+
+std::vector<uint32_t> read_index_accessor(const tinygltf::Model& model, int accessor,
+                                          const std::string& where) {
+    const tinygltf::Accessor& a = item(model.accessors, accessor, "accessor", where);
+    if (a.type != TINYGLTF_TYPE_SCALAR) {
+        throw_broken(where, fmt::format("indices of type {}", a.type), "scalars");
+    }
+    const size_t size = index_size(a.componentType, where);
+    return widened_indices(accessor_bytes(model, a, size, where), size);
+}
+
+}  // namespace onepass

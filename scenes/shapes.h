@@ -1,0 +1,46 @@
+// The shapes that scenes are generated from, with the triangle counts of the recipes: S(n, m),
+// B(a, b, c) and G(a, b).
+//
+// S and B are closed (every edge belongs to two triangles, once in each direction), and all
+// triangles are counter-clockwise seen from outside, G's from above.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "core/scene.h"
+
+namespace onepass {
+
+/// S(n, m): a profile of m + 1 points (radius, height) turned about the y axis in n slices.
+///
+/// The profile runs from bottom to top; its first and last radius must be 0: the poles are single
+/// vertices. 2 n (m - 1) triangles with smooth normals, one group.
+Object make_lathe(std::span<const vec2> profile, uint32_t slices);
+
+/// S(n, m) as the unit sphere about the origin; its normals are its positions.
+Object make_sphere(uint32_t slices, uint32_t stacks);
+
+/// B(a, b, c): the cube from -1/2 to 1/2, its faces divided into a, b and c cells along x, y and z.
+/// 4 (ab + bc + ca) triangles without normals (its edges are sharp), one group.
+Object make_box(uint32_t a, uint32_t b, uint32_t c);
+
+/// G(a, b): the square from -1/2 to 1/2 in the plane y = 0, a cells along x and b along z.
+/// 2 a b triangles without normals, one group.
+Object make_grid(uint32_t a, uint32_t b);
+
+/// Appends a transformed copy of `part` as one more group. Normals are kept if both have them
+/// (or `target` is empty); else neither may.
+void append_shape(Object& target, const Object& part, const Affine& target_from_part,
+                  std::string group_name);
+
+/// Transforms that read well in scene descriptions. Angles in degrees, about the axis by the
+/// right-hand rule.
+Affine translation(const vec3& offset);
+Affine scaling(const vec3& factors);
+Affine rotation(const vec3& axis, float degrees);
+/// Moves x by factor * y.
+Affine shear_x_by_y(float factor);
+
+}  // namespace onepass

@@ -1,0 +1,76 @@
+// A tracer and a judge whose answers a test writes down, so that what compares them can be tested
+// without any tracing.
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/judge.h"
+#include "core/tracer.h"
+
+namespace onepass {
+
+/// Answers each ray by a function. Each cast takes `cast_ms` and adds the tracer's name to `log`.
+class FakeTracer final : public Tracer {
+  public:
+    explicit FakeTracer(std::string name) : name_(std::move(name)) {}
+
+    std::function<Hit(const Ray&)> answer = [](const Ray&) { return Hit{}; };
+    double cast_ms = 1.0;
+    std::vector<std::string>* log = nullptr;
+    Capabilities abilities;
+    std::vector<Stat> figures;
+    RayCounters cost{.cells = 3, .tests = 2, .references = 4, .rays = 1};
+
+    const std::string& name() const override { return name_; }
+    Capabilities capabilities() const override { return abilities; }
+    std::vector<Stat> stats() const override { return figures; }
+
+    RayBatch upload(std::span<const Ray> rays) override {
+        return {rays.size(), std::make_shared<std::vector<Ray>>(rays.begin(), rays.end())};
+    }
+    CastResult cast(const RayBatch& batch, const CastOptions& options) override {
+        if (log) log->push_back(name_);
+        CastResult result;
+        for (const Ray& ray : *static_cast<const std::vector<Ray>*>(batch.resident.get())) {
+            result.hits.push_back(answer(ray));
+            result.flags.push_back(0);
+            if (options.counters) result.counters.push_back(cost);
+        }
+        result.wall_ms = cast_ms;
+        result.device_ms = std::numeric_limits<double>::quiet_NaN();
+        return result;
+    }
+    Frame render(const Camera&, const RenderSettings& settings) override {
+        Frame frame;
+        frame.width = settings.width;
+        frame.height = settings.height;
+        frame.color.resize(size_t{frame.width} * frame.height);
+        return frame;
+    }
+
+  private:
+    std::string name_;
+};
+
+/// Judges each answer by a function.
+class FakeJudge final : public Judge {
+  public:
+    explicit FakeJudge(std::function<Verdict(const Ray&, const Hit&)> verdict)
+        : verdict_(std::move(verdict)) {}
+
+    std::string_view name() const override { return "fake judge"; }
+    std::vector<Verdict> judge(const Ray& ray, Query, std::span<const Hit> answers) const override {
+        std::vector<Verdict> verdicts;
+        for (const Hit& answer : answers) verdicts.push_back(verdict_(ray, answer));
+        return verdicts;
+    }
+
+  private:
+    std::function<Verdict(const Ray&, const Hit&)> verdict_;
+};
+
+}  // namespace onepass

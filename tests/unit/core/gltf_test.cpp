@@ -1,0 +1,371 @@
+// glTF: our own scenes survive a round trip bit by bit, foreign files are read with their node
+// trees, and broken ones are refused with one clear sentence.
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "core/io/load.h"
+#include "scenes/scenes.h"
+#include "tests/support/errors.h"
+#include "tests/support/files.h"
+#include "tests/support/gltf_text.h"
+#include "tests/support/scenes.h"
+
+namespace onepass {
+namespace {
+
+using test::append_bytes;
+using test::contains;
+using test::error_of;
+using test::gltf_text;
+using test::quad_scene;
+using test::ScratchFolder;
+
+// ---- Round trips ----
+
+void expect_round_trip(const Scene& scene) {
+    const ScratchFolder folder;
+    for (const char* name : {"scene.glb", "scene.gltf"}) {
+        SCOPED_TRACE(name);
+        write_gltf(scene, folder.path() / name);
+        const LoadedScene loaded = load_scene_file(folder.path() / name);
+        EXPECT_TRUE(test::same_bits(scene, loaded.scene));
+    }
+}
+
+TEST(GltfRoundTrip, is_bit_equal_for_balls_1) { expect_round_trip(make_balls_1()); }
+TEST(GltfRoundTrip, is_bit_equal_for_the_instanced_scene) { expect_round_trip(make_instances()); }
+TEST(GltfRoundTrip, is_bit_equal_for_big_small) { expect_round_trip(make_big_small()); }
+
+TEST(GltfRoundTrip, keeps_the_floats_that_texts_and_sums_lose) {
+    Scene scene = quad_scene();
+    const float smallest = std::numeric_limits<float>::denorm_min();
+    scene.objects[0].positions[0] = vec3(-0.0f, smallest, 16777217.0f);
+    scene.objects[0].normals.assign(4, vec3(-0.0f, 0.1f, -1.0f / 3.0f));
+    scene.instances[0].world_from_object =
+        Affine(vec3(0.1f, -0.0f, 0.0f), vec3(-0.0f, -1.0f / 3.0f, 1e-20f), vec3(0.7f, 0.0f, 1.1f),
+               vec3(-0.0f, smallest, 1e30f));
+    scene.materials[0].diffuse = vec3(0.1f, 1.0f, -0.0f);
+    scene.materials[0].specular = vec3(1.0f / 3.0f, smallest, 0.0f);
+    scene.materials[0].shininess = 17.3f;
+    scene.materials[0].reflectivity = std::nextafter(1.0f, 0.0f);
+    scene.lights[0].position = vec3(-0.0f, 1e-30f, 3.3f);
+    scene.lights[0].intensity = vec3(3.7f, smallest, 0.1f);
+    for (int i = 1; i < 30; ++i) {  // a bright light's colour is divided on the way
+        const auto f = static_cast<float>(i);
+        scene.lights.push_back({"bright", vec3(1), vec3(0.1f * f, 3.7f + f, 1.0f / f)});
+    }
+    scene.lights.push_back({"dim", vec3(1), vec3(0.3f, 0.2f, 0.1f)});
+    scene.cameras[0].world_from_camera[3] = vec3(-0.0f, 0.3f, 1e10f);
+    scene.cameras[0].vertical_fov = 0.1f;
+    scene.background = vec3(-0.0f, 0.1f, 2.5f);
+    scene.ambient = vec3(smallest, 0.0f, 1.0f / 3.0f);
+    expect_round_trip(scene);
+}
+
+TEST(GltfRoundTrip, keeps_objects_without_instances_and_instances_with_other_materials) {
+    Scene scene = quad_scene();
+    scene.objects.push_back(scene.objects[0]);  // equal, but another object
+    scene.objects[1].name = "spare";
+    scene.instances.push_back({"swapped", 0, affine_identity(), {1, 0}});
+    scene.instances.push_back({"again", 0, affine_identity(), {0, 1}});
+    scene.instances.push_back({"", 0, affine_identity(), {1, 1}});
+    expect_round_trip(scene);
+}
+
+TEST(GltfRoundTrip, keeps_names_with_every_kind_of_character) {
+    Scene scene = quad_scene();
+    scene.name = "\"quoted\" \\ and \xC3\xA9";
+    scene.objects[0].groups[0].name = "";
+    scene.objects[0].groups[1].name = "a/b: \t c";
+    scene.instances[0].name = "";
+    scene.cameras[0].name = "";
+    scene.lights[0].name = "";
+    expect_round_trip(scene);
+}
+
+TEST(WriteGltf, refers_to_its_buffer_by_a_relative_uri_whatever_the_file_name) {
+    const ScratchFolder folder;
+    const Scene scene = quad_scene();
+    const std::filesystem::path path = folder.path() / "50%41 +x y.gltf";
+    write_gltf(scene, path);
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "50%41 +x y.bin"));
+    EXPECT_TRUE(test::same_bits(scene, load_scene_file(path).scene));
+}
+
+TEST(WriteGltf, leaves_nothing_behind_when_it_fails) {
+    const ScratchFolder folder;
+    Scene scene = quad_scene();
+    EXPECT_THROW(write_gltf(scene, folder.path() / "scene.obj"), Error);
+    EXPECT_THROW(write_gltf(scene, folder.path() / "missing" / "scene.glb"), Error);
+    std::filesystem::create_directory(folder.path() / "taken.glb");
+    EXPECT_THROW(write_gltf(scene, folder.path() / "taken.glb"), Error);
+    scene.name = "\xFF not UTF-8";
+    EXPECT_THROW(write_gltf(scene, folder.path() / "name.glb"), Error);
+    scene = quad_scene();
+    scene.materials.clear();
+    EXPECT_THROW(write_gltf(scene, folder.path() / "invalid.glb"), Error);
+
+    std::filesystem::remove(folder.path() / "taken.glb");
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+// ---- Foreign files ----
+
+/// A triangle (0 0 0) (1 0 0) (0 1 0) and a fourth vertex (1 1 0), then indices of 1 and 2 bytes.
+struct SmallBuffer {
+    std::string bytes;
+    size_t positions = 0;
+    size_t byte_indices = 0;   ///< 0 1 2, and padding
+    size_t short_indices = 0;  ///< 0 1 2 3, for strips and fans
+
+    SmallBuffer() {
+        positions = append_bytes<float>(bytes, {0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0});
+        byte_indices = append_bytes<uint8_t>(bytes, {0, 1, 2, 0});
+        short_indices = append_bytes<uint16_t>(bytes, {0, 1, 2, 3});
+    }
+};
+
+constexpr const char* kViews =
+    R"("bufferViews": [{"buffer": 0, "byteLength": 48},
+                       {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
+       "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4},
+                     {"bufferView": 1, "componentType": 5121, "type": "SCALAR", "count": 3},
+                     {"bufferView": 1, "byteOffset": 4, "componentType": 5123, "type": "SCALAR",
+                      "count": 4}], )";
+
+std::string with_mesh(const std::string& primitive, const std::string& rest) {
+    return gltf_text(SmallBuffer().bytes, std::string(kViews) + R"("meshes": [{"primitives": [)" +
+                                              primitive + "]}], " + rest);
+}
+
+std::string one_node_file(const std::string& primitive) {
+    return with_mesh(primitive, R"("nodes": [{"mesh": 0}])");
+}
+
+LoadedScene load_text(const std::string& text) {
+    const ScratchFolder folder;
+    return load_scene_file(folder.write("file.gltf", text));
+}
+
+using Triangles = std::vector<uvec3>;
+
+TEST(Gltf, reads_indices_of_every_size_strips_fans_and_none) {
+    const auto triangles = [](const std::string& members) {
+        return load_text(one_node_file(R"({"attributes": {"POSITION": 0})" + members + "}"))
+            .scene.objects[0]
+            .triangles;
+    };
+    EXPECT_EQ(triangles(R"(, "indices": 1)"), (Triangles{{0, 1, 2}}));
+    EXPECT_EQ(triangles(R"(, "indices": 2, "mode": 5)"), (Triangles{{0, 1, 2}, {1, 3, 2}}));
+    EXPECT_EQ(triangles(R"(, "indices": 2, "mode": 6)"), (Triangles{{1, 2, 0}, {2, 3, 0}}));
+    EXPECT_EQ(triangles(R"(, "mode": 5)"), (Triangles{{0, 1, 2}, {1, 3, 2}}));
+}
+
+TEST(Gltf, composes_the_transforms_of_a_node_tree) {
+    // Parent: moved by (10, 0, 0), turned by 90 degrees about z. Child: twice as large, moved.
+    const LoadedScene loaded = load_text(
+        with_mesh(R"({"attributes": {"POSITION": 0}, "indices": 1})",
+                  R"("nodes": [{"name": "root", "children": [1, 2], "translation": [10, 0, 0],
+                      "rotation": [0, 0, 0.70710678118654752, 0.70710678118654752]},
+                     {"name": "first", "mesh": 0, "scale": [2, 2, 2], "translation": [1, 0, 0]},
+                     {"name": "second", "mesh": 0,
+                      "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,5,1]}],
+           "scenes": [{"nodes": [0]}])"));
+    ASSERT_EQ(loaded.scene.instances.size(), 2u);
+    EXPECT_EQ(loaded.scene.objects.size(), 1u);
+    EXPECT_EQ(loaded.scene.instances[0].name, "first");
+    const vec3 moved = transform_point(loaded.scene.instances[0].world_from_object, vec3(1, 0, 0));
+    EXPECT_NEAR(glm::length(moved - vec3(10, 3, 0)), 0.0f, 1e-6f);  // an ulp of 10
+    const Affine& second = loaded.scene.instances[1].world_from_object;
+    EXPECT_NEAR(glm::length(transform_point(second, vec3(1, 0, 0)) - vec3(10, 1, 5)), 0.0f, 1e-6f);
+}
+
+TEST(Gltf, applies_strides_and_sparse_substitution) {
+    std::string bytes;
+    // Positions with a float of something else after each.
+    append_bytes<float>(bytes, {0, 0, 0, 99, 1, 0, 0, 99, 0, 1, 0, 99});
+    append_bytes<uint16_t>(bytes, {2, 0});           // at 48: the vertex to replace, padding
+    append_bytes<float>(bytes, {0.0f, 7.0f, 0.5f});  // at 52: its new position
+    const LoadedScene loaded = load_text(gltf_text(bytes, R"(
+        "bufferViews": [{"buffer": 0, "byteLength": 48, "byteStride": 16},
+                        {"buffer": 0, "byteOffset": 48, "byteLength": 4},
+                        {"buffer": 0, "byteOffset": 52, "byteLength": 12}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3,
+                       "sparse": {"count": 1,
+                                  "indices": {"bufferView": 1, "componentType": 5123},
+                                  "values": {"bufferView": 2}}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "nodes": [{"mesh": 0}])"));
+    EXPECT_EQ(loaded.scene.objects[0].positions,
+              (std::vector<vec3>{{0, 0, 0}, {1, 0, 0}, {0.0f, 7.0f, 0.5f}}));
+}
+
+TEST(Gltf, supplies_what_is_missing_and_says_so) {
+    const LoadedScene loaded =
+        load_text(one_node_file(R"({"attributes": {"POSITION": 0}, "mode": 5},
+                                                          {"attributes": {"POSITION": 0}, "mode": 0})"));
+    EXPECT_EQ(loaded.scene.cameras.size(), 1u);
+    EXPECT_EQ(loaded.scene.lights.size(), 1u);
+    EXPECT_EQ(loaded.scene.materials.size(), 1u);
+    std::string notes;
+    for (const std::string& note : loaded.notes) notes += note + "\n";
+    EXPECT_TRUE(contains(notes, "no camera"));
+    EXPECT_TRUE(contains(notes, "no light"));
+    EXPECT_TRUE(contains(notes, "no material"));
+    EXPECT_TRUE(contains(notes, "1 primitive without triangles left out"));
+}
+
+TEST(Gltf, scales_candelas_and_moves_directional_lights_far_away) {
+    const LoadedScene loaded =
+        load_text(with_mesh(R"({"attributes": {"POSITION": 0}, "indices": 1})",
+                            R"("nodes": [{"mesh": 0},
+                     {"translation": [1, 2, 3], "extensions": {"KHR_lights_punctual": {"light": 0}}},
+                     {"extensions": {"KHR_lights_punctual": {"light": 1}}},
+                     {"extensions": {"KHR_lights_punctual": {"light": 2}}}],
+           "extensionsUsed": ["KHR_lights_punctual"],
+           "extensions": {"KHR_lights_punctual": {"lights": [
+               {"type": "point", "color": [1, 0.5, 0.25], "intensity": 200},
+               {"type": "point", "intensity": 50},
+               {"type": "directional", "intensity": 3}]}})"));
+    ASSERT_EQ(loaded.scene.lights.size(), 3u);
+    EXPECT_EQ(loaded.scene.lights[0].position, vec3(1, 2, 3));
+    EXPECT_EQ(loaded.scene.lights[0].intensity, vec3(1, 0.5f, 0.25f));
+    EXPECT_EQ(loaded.scene.lights[1].intensity, vec3(0.25f));
+    EXPECT_EQ(loaded.scene.lights[2].intensity, vec3(1));
+    EXPECT_GT(loaded.scene.lights[2].position.z, 100.0f);  // it shines along -z
+    std::string notes;
+    for (const std::string& note : loaded.notes) notes += note + "\n";
+    EXPECT_TRUE(contains(notes, "divided by 200"));
+    EXPECT_TRUE(contains(notes, "1 directional light replaced"));
+}
+
+TEST(Gltf, facets_primitives_without_normals_beside_others_with_normals) {
+    std::string bytes = SmallBuffer().bytes;
+    append_bytes<float>(bytes, {0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 0, 0});  // at 60; the last is zero
+    const LoadedScene loaded = load_text(gltf_text(bytes, R"(
+        "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 60, "byteLength": 48}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4},
+                      {"bufferView": 1, "componentType": 5126, "type": "VEC3", "count": 4}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1}, "mode": 5},
+                                   {"attributes": {"POSITION": 0}, "mode": 5}]}],
+        "nodes": [{"mesh": 0}])"));
+    const Object& object = loaded.scene.objects[0];
+    ASSERT_EQ(object.groups.size(), 2u);
+    ASSERT_EQ(object.normals.size(), object.positions.size());
+    EXPECT_EQ(object.normals[object.triangles[0].x], vec3(0, 1, 0));
+    EXPECT_EQ(object.normals[3], vec3(0, 0, 1));  // repaired
+    EXPECT_EQ(object.normals[object.triangles[2].x], vec3(0, 0, 1));
+    EXPECT_EQ(object.positions[object.triangles[3].y], vec3(1, 1, 0));
+}
+
+// ---- Broken files ----
+
+void expect_refused(const std::string& text, const std::string& part) {
+    const Error error = error_of([&] { load_text(text); });
+    EXPECT_TRUE(contains(error.what(), part));
+    EXPECT_TRUE(contains(error.parts().where, "file.gltf"));
+    EXPECT_TRUE(test::is_clear(error));
+}
+
+constexpr const char* kTriangle = R"({"attributes": {"POSITION": 0}, "indices": 1})";
+
+TEST(BrokenGltf, node_cycles_and_shared_children_are_refused) {
+    expect_refused(
+        with_mesh(kTriangle, R"("nodes": [{"mesh": 0, "children": [1]}, {"children": [0]}],
+                                           "scenes": [{"nodes": [0]}])"),
+        "its own descendant");
+    expect_refused(
+        with_mesh(kTriangle, R"("nodes": [{"children": [2]}, {"children": [2]}, {"mesh": 0}],
+                                           "scenes": [{"nodes": [0, 1]}])"),
+        "reached twice");
+    // Without a scene a pure cycle has no root: nothing is left to show.
+    expect_refused(with_mesh(kTriangle, R"("nodes": [{"mesh": 0, "children": [0]}])"),
+                   "no instances");
+}
+
+TEST(BrokenGltf, references_out_of_range_are_refused) {
+    expect_refused(one_node_file(R"({"attributes": {"POSITION": 7}, "indices": 1})"), "accessor 7");
+    expect_refused(with_mesh(kTriangle, R"("nodes": [{"mesh": 3}])"), "mesh 3");
+    expect_refused(with_mesh(kTriangle, R"("nodes": [{"mesh": 0, "children": [5]}])"), "node 5");
+    expect_refused(with_mesh(kTriangle, R"("nodes": [{"mesh": 0, "camera": 0}])"), "camera 0");
+    expect_refused(one_node_file(R"({"attributes": {"POSITION": 0}, "indices": 1, "material": 4})"),
+                   "material 4");
+}
+
+TEST(BrokenGltf, vertex_indices_and_bytes_out_of_range_are_refused) {
+    std::string text = one_node_file(R"({"attributes": {"POSITION": 0}, "indices": 2, "mode": 5})");
+    const std::string count = R"("type": "VEC3", "count": 4)";
+    std::string fewer = text;
+    fewer.replace(fewer.find(count), count.size(), R"("type": "VEC3", "count": 3)");
+    expect_refused(fewer, "mesh 0, primitive 0, triangle 1: got vertex index 3");
+    std::string more = text;
+    more.replace(more.find(count), count.size(), R"("type": "VEC3", "count": 5)");
+    expect_refused(more, "5 elements of 12 bytes");
+    std::string far_view = text;
+    const std::string offset = R"("byteOffset": 48)";
+    far_view.replace(far_view.find(offset), offset.size(), R"("byteOffset": 4800)");
+    expect_refused(far_view, "4800");
+}
+
+TEST(BrokenGltf, numbers_that_are_not_finite_and_flat_transforms_are_refused) {
+    std::string bytes = SmallBuffer().bytes;
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    std::memcpy(bytes.data() + 16, &nan, 4);
+    expect_refused(
+        gltf_text(bytes, std::string(kViews) +
+                             R"("meshes": [{"name": "m", "primitives": [
+                                            {"attributes": {"POSITION": 0}, "indices": 1}]}],
+                                           "nodes": [{"mesh": 0}])"),
+        "mesh 0 ('m'), primitive 0, triangle 0, vertex 1: got a position of (1, nan, 0)");
+    expect_refused(
+        with_mesh(kTriangle, R"("nodes": [{"name": "n", "mesh": 0, "scale": [1, 0, 1]}])"),
+        "instance 0 ('n')");
+    expect_refused(with_mesh(kTriangle, R"("nodes": [{"mesh": 0, "matrix": [1, 2, 3]}])"),
+                   "3 numbers");
+    expect_refused(with_mesh(kTriangle, R"("nodes": [{"mesh": 0, "translation": [1e39, 0, 0]}])"),
+                   "inf");
+}
+
+TEST(BrokenGltf, compression_is_refused_by_name) {
+    expect_refused(with_mesh(kTriangle, R"("nodes": [{"mesh": 0}],
+                       "extensionsRequired": ["KHR_draco_mesh_compression"])"),
+                   "KHR_draco_mesh_compression");
+    expect_refused(with_mesh(kTriangle, R"("nodes": [{"mesh": 0}],
+                       "extensionsRequired": ["KHR_mesh_quantization"])"),
+                   "KHR_mesh_quantization");
+}
+
+TEST(BrokenGltf, a_file_cut_off_anywhere_is_refused) {
+    const ScratchFolder folder;
+    write_gltf(quad_scene(), folder.path() / "whole.glb");
+    write_gltf(quad_scene(), folder.path() / "whole.gltf");
+    for (const char* extension : {".glb", ".gltf"}) {
+        const std::string whole =
+            test::read_file(folder.path() / ("whole" + std::string(extension)));
+        // A final newline is not missed.
+        const size_t needed = whole.find_last_not_of(" \n") + 1;
+        for (size_t length = 0; length < needed; length += length < 40 ? 1 : 97) {
+            const auto cut = folder.write("cut" + std::string(extension), whole.substr(0, length));
+            const Error error = error_of([&] { load_scene_file(cut); });
+            EXPECT_TRUE(test::is_clear(error)) << extension << " cut to " << length;
+        }
+    }
+}
+
+TEST(BrokenGltf, a_missing_or_short_buffer_file_is_refused) {
+    const ScratchFolder folder;
+    const std::filesystem::path path = folder.path() / "scene.gltf";
+    write_gltf(quad_scene(), path);
+    const std::string buffer = test::read_file(folder.path() / "scene.bin");
+    folder.write("scene.bin", buffer.substr(0, buffer.size() / 2));
+    EXPECT_TRUE(test::is_clear(error_of([&] { load_scene_file(path); })));
+    std::filesystem::remove(folder.path() / "scene.bin");
+    const Error error = error_of([&] { load_scene_file(path); });
+    EXPECT_TRUE(contains(error.what(), "scene.bin"));
+}
+
+}  // namespace
+}  // namespace onepass

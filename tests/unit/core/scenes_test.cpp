@@ -1,0 +1,249 @@
+// The built-in scenes and the shapes they are made of.
+#include "scenes/scenes.h"
+
+#include <cstdlib>
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include "core/io/import.h"
+#include "scenes/shapes.h"
+#include "tests/support/errors.h"
+
+namespace onepass {
+namespace {
+
+using test::contains;
+using test::error_of;
+
+// ---- Shapes ----
+
+/// Directed edges of the mesh; vertices are told apart by index.
+std::map<std::pair<uint32_t, uint32_t>, int> directed_edges(const Object& object) {
+    std::map<std::pair<uint32_t, uint32_t>, int> edges;
+    for (const uvec3& t : object.triangles) {
+        for (int k = 0; k < 3; ++k) ++edges[{t[k], t[(k + 1) % 3]}];
+    }
+    return edges;
+}
+
+/// Every edge belongs to two triangles, once in each direction.
+bool is_closed(const Object& object) {
+    const auto edges = directed_edges(object);
+    for (const auto& [edge, count] : edges) {
+        const auto opposite = edges.find({edge.second, edge.first});
+        if (count != 1 || opposite == edges.end() || opposite->second != 1) return false;
+    }
+    return true;
+}
+
+/// Positive if triangles are counter-clockwise seen from outside.
+double signed_volume(const Object& object) {
+    double volume = 0.0;
+    for (const uvec3& t : object.triangles) {
+        volume += glm::dot(dvec3(object.positions[t.x]),
+                           glm::cross(dvec3(object.positions[t.y]), dvec3(object.positions[t.z]))) /
+                  6.0;
+    }
+    return volume;
+}
+
+const std::vector<vec2> kVase{{0, 0}, {0.5f, 0.1f}, {0.2f, 0.6f}, {0.4f, 1}, {0, 1.1f}};
+
+TEST(Shapes, have_the_counts_of_the_recipes) {
+    EXPECT_EQ(make_sphere(40, 40).triangles.size(), 3120u);
+    EXPECT_EQ(make_sphere(24, 13).triangles.size(), 2u * 24 * 12);
+    EXPECT_EQ(make_lathe(kVase, 7).triangles.size(), 2u * 7 * 3);
+    EXPECT_EQ(make_box(24, 24, 2).triangles.size(), 4u * (24 * 24 + 24 * 2 + 2 * 24));
+    EXPECT_EQ(make_box(9, 4, 1).triangles.size(), 4u * (36 + 4 + 9));
+    EXPECT_EQ(make_grid(11, 7).triangles.size(), 154u);
+}
+
+TEST(Shapes, spheres_lathes_and_boxes_are_closed_and_face_outwards) {
+    const Object shapes[] = {make_sphere(40, 40), make_sphere(3, 2), make_lathe(kVase, 9),
+                             make_box(1, 1, 1), make_box(4, 3, 2)};
+    for (const Object& shape : shapes) {
+        SCOPED_TRACE(shape.name);
+        EXPECT_TRUE(is_closed(shape));
+        EXPECT_GT(signed_volume(shape), 0.0);
+        EXPECT_EQ(count_degenerate(shape), 0u);
+    }
+    EXPECT_NEAR(signed_volume(make_box(4, 3, 2)), 1.0, 1e-6);  // float positions
+    EXPECT_FALSE(is_closed(make_grid(2, 2)));
+}
+
+TEST(Shapes, a_grid_faces_up) {
+    const Object grid = make_grid(3, 2);
+    for (const uvec3& t : grid.triangles) {
+        const vec3 normal = glm::cross(grid.positions[t.y] - grid.positions[t.x],
+                                       grid.positions[t.z] - grid.positions[t.x]);
+        EXPECT_GT(normal.y, 0.0f);
+    }
+}
+
+TEST(Shapes, vertex_normals_agree_with_the_triangles) {
+    for (const Object& shape : {make_sphere(20, 10), make_lathe(kVase, 16)}) {
+        ASSERT_EQ(shape.normals.size(), shape.positions.size());
+        for (const uvec3& t : shape.triangles) {
+            const vec3 face = glm::cross(shape.positions[t.y] - shape.positions[t.x],
+                                         shape.positions[t.z] - shape.positions[t.x]);
+            const vec3 mean = shape.normals[t.x] + shape.normals[t.y] + shape.normals[t.z];
+            EXPECT_GT(glm::dot(face, mean), 0.0f);
+        }
+    }
+}
+
+TEST(Shapes, appended_parts_become_groups) {
+    Object object;
+    append_shape(object, make_box(1, 1, 1), translation(vec3(5, 0, 0)), "first");
+    append_shape(object, make_grid(1, 1), affine_identity(), "second");
+    ASSERT_EQ(object.groups.size(), 2u);
+    EXPECT_EQ(object.groups[1], (TriangleGroup{"second", 12, 2}));
+    EXPECT_EQ(object_bounds(object), (Bounds{vec3(-0.5f), vec3(5.5f, 0.5f, 0.5f)}));
+}
+
+// ---- Generated scenes ----
+
+TEST(Balls1, has_the_counts_of_the_paper) {
+    const Scene scene = make_balls_1();
+    EXPECT_NO_THROW(validate(scene));
+    EXPECT_EQ(instanced_triangle_count(scene), 31200u);
+    EXPECT_EQ(scene.instances.size(), 10u);
+    EXPECT_EQ(scene.lights.size(), 2u);
+}
+
+TEST(Balls1, has_two_mirrors_with_nothing_between_their_centres) {
+    const Scene scene = make_balls_1();
+    std::vector<vec3> mirrors;
+    for (const Instance& instance : scene.instances) {
+        if (scene.materials[instance.materials[0]].reflectivity > 0.0f) {
+            mirrors.push_back(instance.world_from_object[3]);
+        }
+    }
+    ASSERT_EQ(mirrors.size(), 2u);
+
+    // The line between the centres passes every other ball at more than its radius.
+    const vec3 along = mirrors[1] - mirrors[0];
+    for (const Instance& instance : scene.instances) {
+        const vec3 centre = instance.world_from_object[3];
+        if (centre == mirrors[0] || centre == mirrors[1] || instance.name == "floor") continue;
+        const float s = glm::dot(centre - mirrors[0], along) / glm::dot(along, along);
+        const vec3 nearest = mirrors[0] + along * glm::clamp(s, 0.0f, 1.0f);
+        EXPECT_GT(glm::length(centre - nearest), glm::length(instance.world_from_object[0]))
+            << instance.name;
+    }
+}
+
+TEST(Balls1, balls_rest_on_the_floor_without_touching_each_other) {
+    const Scene scene = make_balls_1();
+    for (size_t i = 1; i < scene.instances.size(); ++i) {
+        const Affine& a = scene.instances[i].world_from_object;
+        EXPECT_NEAR(a[3].y, glm::length(a[0]), 0.05f) << scene.instances[i].name;
+        for (size_t k = 1; k < i; ++k) {
+            const Affine& b = scene.instances[k].world_from_object;
+            EXPECT_GT(glm::length(a[3] - b[3]), glm::length(a[0]) + glm::length(b[0]))
+                << scene.instances[i].name << " and " << scene.instances[k].name;
+        }
+    }
+}
+
+TEST(Instances, are_mirrored_stretched_and_sheared) {
+    const Scene scene = make_instances();
+    EXPECT_NO_THROW(validate(scene));
+    EXPECT_GE(scene.objects.size(), 3u);
+    int mirrored = 0, stretched = 0, sheared = 0;
+    for (const Instance& instance : scene.instances) {
+        const Affine& m = instance.world_from_object;
+        mirrored += determinant(m) < 0.0;
+        const float lengths[] = {glm::length(m[0]), glm::length(m[1]), glm::length(m[2])};
+        stretched += std::abs(lengths[0] - lengths[1]) > 0.1f;
+        sheared += std::abs(glm::dot(m[0], m[1])) > 0.1f * lengths[0] * lengths[1];
+    }
+    EXPECT_GE(mirrored, 3);
+    EXPECT_GE(stretched, 3);
+    EXPECT_GE(sheared, 2);
+}
+
+TEST(BigSmall, holds_six_large_triangles_and_many_small_ones_in_one_object) {
+    const Scene scene = make_big_small();
+    EXPECT_NO_THROW(validate(scene));
+    ASSERT_EQ(scene.objects.size(), 1u);
+    const Object& object = scene.objects[0];
+    ASSERT_EQ(object.triangles.size(), 20006u);
+    const auto longest_edge = [&](size_t prim_id) {
+        const uvec3& t = object.triangles[prim_id];
+        return std::max(glm::length(object.positions[t.x] - object.positions[t.y]),
+                        glm::length(object.positions[t.x] - object.positions[t.z]));
+    };
+    for (size_t i = 0; i < 6; ++i) EXPECT_GT(longest_edge(i), 5.0f);
+    for (size_t i = 6; i < object.triangles.size(); ++i) EXPECT_LT(longest_edge(i), 0.5f);
+}
+
+// ---- By name ----
+
+TEST(LoadScene, knows_every_name_that_it_lists) {
+    std::vector<std::string> names;
+    for (const SceneInfo& info : builtin_scenes()) names.push_back(info.name);
+    EXPECT_EQ(names, (std::vector<std::string>{"balls-1", "instances", "big-small", "bunny",
+                                               "cornell", "motorbike"}));
+    for (const char* name : {"balls-1", "instances", "big-small"}) {
+        EXPECT_EQ(load_scene(name).scene.name, name);
+    }
+}
+
+TEST(LoadScene, lists_the_names_when_it_knows_neither_name_nor_file) {
+    const Error error = error_of([] { load_scene("teapot"); });
+    EXPECT_TRUE(contains(error.parts().where, "teapot"));
+    EXPECT_TRUE(contains(error.parts().expected, "balls-1, instances, big-small, bunny"));
+    EXPECT_TRUE(test::is_clear(error));
+}
+
+/// Loads a real mesh, or skips the test where no package has brought it.
+void load_or_skip(const std::string& name, LoadedScene& loaded) {
+    try {
+        loaded = load_scene(name);
+    } catch (const Error& e) {
+        if (!contains(e.parts().got, "no such file in")) throw;
+        GTEST_SKIP() << e.what();
+    }
+}
+
+TEST(LoadScene, bunny_has_its_triangles_and_the_published_view) {
+    LoadedScene loaded;
+    load_or_skip("bunny", loaded);
+    if (IsSkipped()) return;
+    const Scene& scene = loaded.scene;
+    EXPECT_EQ(instanced_triangle_count(scene), 69666u);
+    EXPECT_TRUE(is_closed(scene.objects[0]));
+    const Bounds box = scene_bounds(scene);
+    const vec3 offset = scene.cameras[0].world_from_camera[3] - box.centre();
+    EXPECT_NEAR(glm::length(offset) / box.diagonal(), 0.75f, 1e-5f);  // float sums
+    EXPECT_NEAR(glm::dot(glm::normalize(offset), glm::normalize(vec3(0.3f, 0.25f, 1))), 1.0f,
+                1e-5f);
+}
+
+TEST(LoadScene, cornell_has_its_triangles_and_colours) {
+    LoadedScene loaded;
+    load_or_skip("cornell", loaded);
+    if (IsSkipped()) return;
+    EXPECT_EQ(instanced_triangle_count(loaded.scene), 34u);
+    EXPECT_EQ(loaded.scene.objects[0].groups.size(), 7u);
+    int red = 0, green = 0;
+    for (uint32_t material : loaded.scene.instances[0].materials) {
+        red += loaded.scene.materials[material].diffuse == vec3(1, 0, 0);
+        green += loaded.scene.materials[material].diffuse == vec3(0, 1, 0);
+    }
+    EXPECT_EQ(red, 1);
+    EXPECT_EQ(green, 1);
+}
+
+TEST(LoadScene, motorbike_has_its_triangles_in_67_groups) {
+    LoadedScene loaded;
+    load_or_skip("motorbike", loaded);
+    if (IsSkipped()) return;
+    EXPECT_EQ(instanced_triangle_count(loaded.scene), 331653u);
+    EXPECT_EQ(loaded.scene.objects[0].groups.size(), 67u);
+}
+
+}  // namespace
+}  // namespace onepass
