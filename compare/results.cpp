@@ -1,0 +1,365 @@
+// JSON both ways. Each struct lists its fields once, in a `fields` function; Writer and Reader walk
+// the same list, so that what is written is what is read.
+#include "compare/results.h"
+
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <limits>
+#include <set>
+#include <type_traits>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "compare/atomic_file.h"
+#include "core/error.h"
+
+namespace onepass {
+namespace {
+
+using json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+// The fields, in the order in which they are written.
+
+template <class A>
+void fields(A& a, Manifest& m) {
+    a("arguments", m.arguments), a("time_utc", m.time_utc), a("commit", m.commit);
+    a("dirty", m.dirty), a("build_type", m.build_type), a("compiler", m.compiler);
+    a("cpu", m.cpu), a("cores", m.cores), a("gl_context", m.gl_context);
+    a("gl_renderer", m.gl_renderer), a("gl_version", m.gl_version);
+    a("software_renderer", m.software_renderer), a("embree", m.embree), a("judge", m.judge);
+    a("seed", m.seed), a("complete", m.complete);
+}
+
+template <class A>
+void fields(A& a, SceneRecord& s) {
+    a("name", s.name), a("triangles", s.triangles), a("unique_triangles", s.unique_triangles);
+    a("instances", s.instances), a("lights", s.lights), a("hash", s.hash), a("notes", s.notes);
+}
+
+template <class A>
+void fields(A& a, Stat& s) {
+    a("name", s.name), a("value", s.value), a("note", s.note);
+}
+
+template <class A>
+void fields(A& a, TracerRecord& t) {
+    a("scene", t.scene), a("name", t.name), a("params", t.params), a("device", t.device);
+    a("software_renderer", t.software_renderer), a("is_oracle", t.is_oracle);
+    a("is_twin", t.is_twin), a("threads", t.threads), a("shader_hash", t.shader_hash);
+    a("stats", t.stats);
+}
+
+template <class A>
+void fields(A& a, Ray& r) {
+    a("org", r.org), a("tmin", r.tmin), a("dir", r.dir), a("tmax", r.tmax);
+}
+
+template <class A>
+void fields(A& a, Hit& h) {
+    a("t", h.t), a("u", h.u), a("v", h.v), a("prim_id", h.prim_id), a("inst_id", h.inst_id);
+}
+
+template <class A>
+void fields(A& a, Verdict& v) {
+    a("hit_class", v.hit_class), a("true_t", v.true_t), a("true_prim_id", v.true_prim_id);
+    a("true_inst_id", v.true_inst_id), a("t_error_ulps", v.t_error_ulps);
+    a("backward_error", v.backward_error);
+}
+
+template <class A>
+void fields(A& a, WorstRay& w) {
+    a("index", w.index), a("ray", w.ray), a("answer", w.answer), a("oracle", w.oracle);
+    a("verdict", w.verdict);
+}
+
+template <class A>
+void fields(A& a, ClassTally& t) {
+    a("count", t.count), a("worst", t.worst);
+}
+
+template <class A>
+void fields(A& a, CheckRecord& c) {
+    a("scene", c.scene), a("rays", c.rays), a("ray_hash", c.ray_hash);
+    a("ray_count", c.ray_count), a("tracer", c.tracer), a("oracle", c.oracle);
+    a("judge", c.judge), a("classes", c.classes), a("oracle_classes", c.oracle_classes);
+    a("judged", c.judged), a("wrong_triangle", c.wrong_triangle), a("hit_count", c.hit_count);
+    a("oracle_invalid", c.oracle_invalid), a("exhausted", c.exhausted), a("allowed", c.allowed);
+    a("passed", c.passed), a("picture", c.picture);
+}
+
+template <class A>
+void fields(A& a, std::pair<std::string, std::string>& picture) {
+    a("role", picture.first), a("file", picture.second);
+}
+
+template <class A>
+void fields(A& a, ImageRecord& i) {
+    a("scene", i.scene), a("tracer", i.tracer), a("oracle", i.oracle), a("width", i.width);
+    a("height", i.height), a("rmse", i.rmse), a("psnr_db", i.psnr_db);
+    a("max_difference", i.max_difference), a("max_x", i.max_x), a("max_y", i.max_y);
+    a("differing_pixels", i.differing_pixels), a("tolerance", i.tolerance);
+    a("allowed_pixels", i.allowed_pixels), a("reason", i.reason), a("passed", i.passed);
+    a("rays_per_pixel", i.rays_per_pixel), a("cells_full_scale", i.cells_full_scale);
+    a("pictures", i.pictures);
+}
+
+template <class A>
+void fields(A& a, TimingRecord& t) {
+    a("scene", t.scene), a("rays", t.rays), a("ray_count", t.ray_count), a("tracer", t.tracer);
+    a("oracle", t.oracle), a("wall_ms", t.wall_ms), a("device_ms", t.device_ms);
+    a("oracle_wall_ms", t.oracle_wall_ms), a("median_ms", t.median_ms);
+    a("mrays_per_s", t.mrays_per_s), a("ratio", t.ratio), a("ratio_low", t.ratio_low);
+    a("ratio_high", t.ratio_high), a("errors", t.errors), a("edges", t.edges);
+}
+
+template <class A>
+void fields(A& a, SweepPoint& p) {
+    a("scene", p.scene), a("rays", p.rays), a("tracer", p.tracer);
+    a("top_density", p.top_density), a("object_density", p.object_density);
+    a("cells", p.cells), a("references", p.references), a("bytes", p.bytes);
+    a("build_ms", p.build_ms), a("cells_per_ray", p.cells_per_ray);
+    a("tests_per_ray", p.tests_per_ray), a("errors", p.errors), a("failure", p.failure);
+    a("wall_ms", p.wall_ms), a("ratio", p.ratio), a("ratio_low", p.ratio_low);
+    a("ratio_high", p.ratio_high);
+}
+
+template <class A>
+void fields(A& a, Results& r) {
+    a("manifest", r.manifest), a("scenes", r.scenes), a("tracers", r.tracers);
+    a("checks", r.checks), a("images", r.images), a("timings", r.timings), a("sweeps", r.sweeps);
+}
+
+std::string class_name(size_t index) {
+    return std::string(to_string(static_cast<HitClass>(index)));
+}
+
+/// Makes JSON of values.
+class Writer {
+  public:
+    json value = json::object();
+
+    template <class T>
+    void operator()(const char* name, const T& field) {
+        value[name] = write(field);
+    }
+
+    template <class T>
+    static json write(const T& field) {
+        if constexpr (std::is_floating_point_v<T>) {
+            if (std::isnan(field)) return nullptr;
+            if (std::isinf(field)) return field > 0 ? "inf" : "-inf";
+            return field;
+        } else if constexpr (std::is_same_v<T, HitClass>) {
+            return to_string(field);
+        } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string> ||
+                             std::is_same_v<T, ParamValues>) {
+            return field;
+        } else {
+            Writer writer;
+            fields(writer, const_cast<T&>(field));  // the list serves both directions
+            return std::move(writer.value);
+        }
+    }
+
+    static json write(const vec3& v) { return {write(v.x), write(v.y), write(v.z)}; }
+
+    template <class T>
+    static json write(const std::vector<T>& list) {
+        json array = json::array();
+        for (const T& element : list) array.push_back(write(element));
+        return array;
+    }
+
+    template <class T>
+    static json write(const std::array<T, kHitClassCount>& by_class) {
+        json object = json::object();
+        for (size_t c = 0; c < kHitClassCount; ++c) object[class_name(c)] = write(by_class[c]);
+        return object;
+    }
+
+    template <class T>
+    static json write(const std::optional<T>& field) {
+        return field ? write(*field) : json(nullptr);
+    }
+};
+
+/// Fills values from JSON; knows its place for error messages.
+class Reader {
+  public:
+    Reader(const json& object, std::string file, std::string place)
+        : object_(object), file_(std::move(file)), place_(std::move(place)) {
+        if (!object_.is_object()) refuse_value(place_, object_, "an object");
+    }
+
+    template <class T>
+    void operator()(const char* name, T& field) {
+        known_.insert(name);
+        const std::string place = place_.empty() ? name : place_ + "." + name;
+        const auto found = object_.find(name);
+        if (found == object_.end()) refuse(place, "nothing", "a value");
+        read(*found, place, field);
+    }
+
+    /// Every field was asked for.
+    void finish() const {
+        for (const auto& [name, value] : object_.items()) {
+            if (!known_.contains(name)) refuse(place_, "unknown field '" + name + "'", "none");
+        }
+    }
+
+  private:
+    [[noreturn]] void refuse(const std::string& place, const std::string& got,
+                             const std::string& expected) const {
+        throw Error({fmt::format("{}: {}", file_, place.empty() ? "top level" : place), got,
+                     expected, "Make the file again with this version of onepass."});
+    }
+    [[noreturn]] void refuse_value(const std::string& place, const json& got,
+                                   const std::string& expected) const {
+        refuse(place, std::string(got.type_name()) + " " + got.dump().substr(0, 40), expected);
+    }
+
+    template <class T>
+    void read(const json& value, const std::string& place, T& field) const {
+        if constexpr (std::is_same_v<T, bool>) {
+            if (!value.is_boolean()) refuse_value(place, value, "true or false");
+            field = value.get<bool>();
+        } else if constexpr (std::is_floating_point_v<T>) {
+            read_number(value, place, field);
+        } else if constexpr (std::is_integral_v<T>) {
+            if (!value.is_number_unsigned() ||
+                value.get<uint64_t>() > uint64_t{std::numeric_limits<T>::max()}) {
+                refuse_value(place, value, fmt::format("a whole number of {} bits", 8 * sizeof(T)));
+            }
+            field = value.get<T>();
+        } else if constexpr (std::is_same_v<T, std::string>) {
+            if (!value.is_string()) refuse_value(place, value, "a string");
+            field = value.get<std::string>();
+        } else {
+            Reader reader(value, file_, place);
+            fields(reader, field);
+            reader.finish();
+        }
+    }
+
+    template <class T>
+    void read_number(const json& value, const std::string& place, T& field) const {
+        if (value.is_null()) {
+            field = std::numeric_limits<T>::quiet_NaN();
+        } else if (value == "inf" || value == "-inf") {
+            field = (value == "inf" ? 1 : -1) * std::numeric_limits<T>::infinity();
+        } else if (value.is_number()) {
+            field = value.get<T>();
+        } else {
+            refuse_value(place, value, "a number, null, \"inf\" or \"-inf\"");
+        }
+    }
+
+    void read(const json& value, const std::string& place, HitClass& field) const {
+        for (size_t c = 0; c < kHitClassCount; ++c) {
+            if (value != class_name(c)) continue;
+            field = static_cast<HitClass>(c);
+            return;
+        }
+        refuse_value(place, value, "the name of a class");
+    }
+
+    void read(const json& value, const std::string& place, vec3& field) const {
+        if (!value.is_array() || value.size() != 3) refuse_value(place, value, "three numbers");
+        for (int axis = 0; axis < 3; ++axis) read_number(value[axis], place, field[axis]);
+    }
+
+    void read(const json& value, const std::string& place, ParamValues& field) const {
+        if (!value.is_object()) refuse_value(place, value, "an object of strings");
+        for (const auto& [name, text] : value.items()) {
+            read(text, place + "." + name, field[name]);
+        }
+    }
+
+    template <class T>
+    void read(const json& value, const std::string& place, std::vector<T>& list) const {
+        if (!value.is_array()) refuse_value(place, value, "a list");
+        list.resize(value.size());
+        for (size_t i = 0; i < list.size(); ++i) {
+            read(value[i], fmt::format("{}[{}]", place, i), list[i]);
+        }
+    }
+
+    template <class T>
+    void read(const json& value, const std::string& place,
+              std::array<T, kHitClassCount>& by_class) const {
+        Reader reader(value, file_, place);
+        for (size_t c = 0; c < kHitClassCount; ++c) reader(class_name(c).c_str(), by_class[c]);
+        reader.finish();
+    }
+
+    template <class T>
+    void read(const json& value, const std::string& place, std::optional<T>& field) const {
+        if (value.is_null()) return;
+        read(value, place, field.emplace());
+    }
+
+    const json& object_;
+    std::string file_;
+    std::string place_;
+    std::set<std::string> known_;
+};
+
+}  // namespace
+
+uint64_t CheckRecord::errors() const {
+    uint64_t sum = 0;
+    for (size_t c = 0; c < kHitClassCount; ++c) {
+        if (is_error(static_cast<HitClass>(c))) sum += classes[c].count;
+    }
+    return sum;
+}
+
+std::string to_json(const Results& results) {
+    json document = {{"schema_version", Results::kSchemaVersion}};
+    document.update(Writer::write(results));
+    return document.dump(1) + "\n";
+}
+
+Results results_from_json(const std::string& text, const std::string& file_name) {
+    const json document = json::parse(text, nullptr, false);
+    if (document.is_discarded()) {
+        throw Error({file_name, "text that is no JSON", "a result file of onepass",
+                     "Name a file written with --json."});
+    }
+    Reader reader(document, file_name, "");
+    int version = 0;
+    reader("schema_version", version);
+    if (version != Results::kSchemaVersion) {
+        throw Error({file_name + ": schema_version", std::to_string(version),
+                     std::to_string(Results::kSchemaVersion),
+                     "Make the file again with this version of onepass."});
+    }
+    Results results;
+    fields(reader, results);
+    reader.finish();
+    return results;
+}
+
+void write_results(const Results& results, const fs::path& path) {
+    const std::string text = to_json(results);
+    if (path == "-") {
+        std::cout << text << std::flush;
+    } else {
+        write_bytes_atomically(path, text);
+    }
+}
+
+Results read_results(const fs::path& path) {
+    std::error_code ignored;
+    std::ifstream file(path, std::ios::binary);
+    if (!file || fs::is_directory(path, ignored)) {
+        throw Error({path.string(), "a file that cannot be opened", "a result file of onepass",
+                     "Name a file written with --json."});
+    }
+    return results_from_json({std::istreambuf_iterator<char>(file), {}}, path.string());
+}
+
+}  // namespace onepass

@@ -26,36 +26,37 @@ struct Manifest {
     std::string build_type;
     std::string compiler;
     std::string cpu;
-    uint32_t cores = 0;            ///< usable by this process
-    std::string gl_context;        ///< "osmesa", "egl"; empty if no GL tracer ran
+    uint32_t cores = 0;      ///< usable by this process
+    std::string gl_context;  ///< "osmesa", "egl"; empty if no GL tracer ran
     std::string gl_renderer;
-    std::string gl_version;        ///< version and driver
+    std::string gl_version;  ///< version and driver
     bool software_renderer = false;
-    std::string embree;            ///< version and build
-    std::string judge;             ///< Judge::name()
-    uint64_t seed = 0;             ///< of generated rays and of the run order
+    std::string embree;    ///< version and build
+    std::string judge;     ///< Judge::name()
+    uint64_t seed = 0;     ///< of generated rays and of the run order
+    bool complete = true;  ///< false: stopped by Ctrl-C; what is there is whole
 };
 
 struct SceneRecord {
     std::string name;
-    uint64_t triangles = 0;            ///< counted once an instance
-    uint64_t unique_triangles = 0;     ///< counted once an object
+    uint64_t triangles = 0;         ///< counted once an instance
+    uint64_t unique_triangles = 0;  ///< counted once an object
     uint64_t instances = 0;
     uint64_t lights = 0;
-    std::string hash;                  ///< of the scene's content, hex
-    std::vector<std::string> notes;    ///< LoadedScene::notes
+    std::string hash;                ///< of the scene's content, hex
+    std::vector<std::string> notes;  ///< LoadedScene::notes
 };
 
 struct TracerRecord {
     std::string scene;
-    std::string name;        ///< strategy/storage/entry
-    ParamValues params;      ///< all of them, defaults included
+    std::string name;    ///< strategy/storage/entry
+    ParamValues params;  ///< all of them, defaults included
     std::string device;
     bool software_renderer = false;
     bool is_oracle = false;
     bool is_twin = false;
     uint32_t threads = 0;
-    std::string shader_hash; ///< of the composed text; empty for CPU tracers
+    std::string shader_hash;  ///< of the composed text; empty for CPU tracers
     std::vector<Stat> stats;
 };
 
@@ -76,7 +77,7 @@ struct ClassTally {
 /// One tracer against the oracle on one ray set.
 struct CheckRecord {
     std::string scene;
-    std::string rays;        ///< kind ("primary", "random") or file name
+    std::string rays;  ///< kind ("primary", "random") or file name
     std::string ray_hash;
     uint64_t ray_count = 0;
     std::string tracer;
@@ -91,9 +92,9 @@ struct CheckRecord {
     uint64_t exhausted = 0;       ///< rays that ran out of a loop budget
     std::array<uint64_t, kHitClassCount> allowed{};  ///< bounds used; edge's is its budget
     bool passed = false;
-    std::string picture;          ///< PNG of the per-ray classes, beside the JSON; may be empty
+    std::string picture;  ///< PNG of the per-ray classes; as ImageRecord::pictures; or empty
 
-    uint64_t errors() const;      ///< false_miss + false_hit + wrong_surface + t_error
+    uint64_t errors() const;  ///< false_miss + false_hit + wrong_surface + t_error
 };
 
 /// One tracer's rendered image against the oracle's.
@@ -103,18 +104,20 @@ struct ImageRecord {
     std::string oracle;
     uint32_t width = 0;
     uint32_t height = 0;
-    double rmse = 0.0;             ///< linear RGB
-    double psnr_db = 0.0;          ///< 20 log10(1 / rmse); +inf for equal images
-    double max_difference = 0.0;   ///< largest |difference| of any channel
+    double rmse = 0.0;            ///< linear RGB
+    double psnr_db = 0.0;         ///< 20 log10(1 / rmse); +inf for equal images
+    double max_difference = 0.0;  ///< largest |difference| of any channel
     uint32_t max_x = 0;
     uint32_t max_y = 0;
-    uint64_t differing_pixels = 0; ///< pixels with any channel off by more than the tolerance
-    double tolerance = 0.0;        ///< of a channel
+    uint64_t differing_pixels = 0;  ///< pixels with any channel off by more than the tolerance
+    double tolerance = 0.0;         ///< of a channel
     uint64_t allowed_pixels = 0;
-    std::string reason;            ///< why the tolerance and the allowance are what they are
+    std::string reason;  ///< why the tolerance and the allowance are what they are
     bool passed = false;
     double rays_per_pixel = 0.0;
-    /// PNGs beside the JSON, by role: "image", "oracle", "difference", "cells", ...
+    double cells_full_scale = 0.0;  ///< cells a pixel at the bright end of the "cells" picture
+    /// PNGs, as paths relative to the JSON's folder, by role: "image", "oracle", "difference",
+    /// "cells".
     std::vector<std::pair<std::string, std::string>> pictures;
 };
 
@@ -124,17 +127,17 @@ struct TimingRecord {
     std::string rays;
     uint64_t ray_count = 0;
     std::string tracer;
-    std::string oracle;                   ///< what the ratio is to
+    std::string oracle;  ///< what the ratio is to
     std::vector<double> wall_ms;
-    std::vector<double> device_ms;        ///< empty where the device has no timer to trust
-    std::vector<double> oracle_wall_ms;   ///< of the same rounds
+    std::vector<double> device_ms;       ///< empty where the device has no timer to trust
+    std::vector<double> oracle_wall_ms;  ///< of the same rounds
     double median_ms = 0.0;
     double mrays_per_s = 0.0;
-    double ratio = 0.0;                   ///< speed relative to the oracle: oracle / tracer, median
-    double ratio_low = 0.0;               ///< 95 % bootstrap interval
+    double ratio = 0.0;      ///< speed relative to the oracle: oracle / tracer, median
+    double ratio_low = 0.0;  ///< 95 % bootstrap interval
     double ratio_high = 0.0;
-    uint64_t errors = 0;                  ///< CheckRecord::errors() on the same rays, this run
-    uint64_t edges = 0;                   ///< its `edge` count
+    uint64_t errors = 0;  ///< CheckRecord::errors() on the same rays, this run
+    uint64_t edges = 0;   ///< its `edge` count
 };
 
 /// One grid size of a sweep.
@@ -144,15 +147,16 @@ struct SweepPoint {
     std::string tracer;
     double top_density = 0.0;
     double object_density = 0.0;
-    uint64_t cells = 0;          ///< of all grids
+    uint64_t cells = 0;  ///< of all grids
     uint64_t references = 0;
-    uint64_t bytes = 0;          ///< on the device
+    uint64_t bytes = 0;  ///< on the device
     double build_ms = 0.0;
     double cells_per_ray = 0.0;  ///< from a separate, counted pass
     double tests_per_ray = 0.0;
     uint64_t errors = 0;
-    std::vector<double> wall_ms;
-    double ratio = 0.0;          ///< as in TimingRecord
+    std::string failure;          ///< why this size could not be built; else empty
+    std::vector<double> wall_ms;  ///< empty after a failure
+    double ratio = 0.0;           ///< as in TimingRecord
     double ratio_low = 0.0;
     double ratio_high = 0.0;
 };
@@ -168,11 +172,12 @@ struct Results {
     std::vector<SweepPoint> sweeps;
 };
 
-/// JSON text of a run. NaN and infinity are written as null and read back as NaN; hits' and rays'
-/// infinities as the strings "inf" and "-inf".
+/// JSON text of a run. Infinities are the strings "inf" and "-inf", NaN is null; all else reads
+/// back as the very value that was written.
 std::string to_json(const Results& results);
 
-/// Throws: Error naming the file and the field for text that is not a Results of this version.
+/// Throws: Error naming the file and the field for text that is not a Results of this version: no
+/// JSON, another version, a field that is missing, unknown or of another type.
 Results results_from_json(const std::string& text, const std::string& file_name);
 
 /// Written whole or not at all: temporary file, then rename. "-" writes to standard output.

@@ -1,0 +1,170 @@
+// onepass bench: speed beside Embree's in the same rounds, and never without its error counts.
+#include <algorithm>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "compare/atomic_file.h"
+#include "compare/cli/commands.h"
+#include "compare/cli/options.h"
+#include "compare/cli/progress_bar.h"
+#include "compare/cli/table.h"
+#include "compare/manifest.h"
+#include "compare/statistics.h"
+#include "compare/timing.h"
+
+namespace onepass::cli {
+namespace {
+
+struct BenchCommand {
+    std::vector<std::string> scenes;
+    StrategyOptions strategy;
+    RayOptions rays{{"primary", "random"}, "512x512", 0};
+    TimingOptions timing;
+    std::string json;
+};
+
+/// Embree's four modes first, the oracle in front, then what was asked for.
+std::vector<SelectedStrategy> contestants(const Session& session, const StrategyOptions& options) {
+    std::vector<SelectedStrategy> all = {{&session.catalogue.at(kOracleName), {}}};
+    std::vector<SelectedStrategy> others;
+    for (const CatalogueEntry* entry : session.catalogue.select("embree/*")) {
+        others.push_back({entry, {}});
+    }
+    for (SelectedStrategy& strategy : select_strategies(session.catalogue, options)) {
+        others.push_back(std::move(strategy));
+    }
+    for (SelectedStrategy& strategy : others) {
+        const bool known = std::any_of(all.begin(), all.end(), [&](const SelectedStrategy& s) {
+            return s.entry == strategy.entry;
+        });
+        if (!known) all.push_back(std::move(strategy));
+    }
+    return all;
+}
+
+std::string timing_table(const std::vector<TimingRecord>& records) {
+    const TimingRecord& first = records.front();
+    std::string text =
+        fmt::format("{}, {} rays: {} rays, {} rounds; ratio is speed relative to {}\n", first.scene,
+                    first.rays, first.ray_count, first.wall_ms.size(), first.oracle);
+    std::vector<std::vector<std::string>> rows = {{"tracer", "Mrays/s", "median ms", "quartiles ms",
+                                                   "device ms", "ratio", "95 % interval", "errors",
+                                                   "edge"}};
+    for (const TimingRecord& record : records) {
+        rows.push_back(
+            {record.tracer, fmt::format("{:.3f}", record.mrays_per_s),
+             fmt::format("{:.2f}", record.median_ms),
+             fmt::format("{:.2f}..{:.2f}", quantile(record.wall_ms, 0.25),
+                         quantile(record.wall_ms, 0.75)),
+             record.device_ms.empty() ? "-" : fmt::format("{:.2f}", median(record.device_ms)),
+             fmt::format("{:.3f}", record.ratio),
+             fmt::format("{:.3f}..{:.3f}", record.ratio_low, record.ratio_high),
+             std::to_string(record.errors), std::to_string(record.edges)});
+    }
+    return text + format_table(rows);
+}
+
+/// Checks, then times, all contestants on one ray set.
+void bench_case(const Court& court, const Case& subject, const std::vector<Tracer*>& tracers,
+                const TimingOptions& timing, const Progress& progress, Results& results) {
+    std::vector<CheckRecord> checks;
+    for (Tracer* tracer : tracers) {
+        checks.push_back(check_tracer(court, subject, *tracer, {.seed = timing.seed}).record);
+    }
+    std::vector<TimingRecord> timings = time_casts(tracers, 0, subject.rays, timing, progress);
+    if (timings.front().wall_ms.empty()) return;  // stopped before its first round
+    for (size_t i = 0; i < timings.size(); ++i) {
+        timings[i].scene = court.open.name;
+        timings[i].errors = checks[i].errors();
+        timings[i].edges = checks[i].classes[static_cast<size_t>(HitClass::edge)].count;
+    }
+    results.checks.insert(results.checks.end(), checks.begin(), checks.end());
+    results.timings.insert(results.timings.end(), timings.begin(), timings.end());
+}
+
+void bench_scene(Session& session, const BenchCommand& options, const std::string& name,
+                 const std::vector<SelectedStrategy>& selected, const Progress& progress,
+                 Results& results) {
+    const ImageSize size = parse_size(options.rays.size);
+    const RayRequest request{size.width, size.height, options.rays.camera, session.globals.seed};
+
+    Court court = open_court(session, name);
+    results.manifest.judge = court.judge->name();
+    results.scenes.push_back(court.open.record);
+    std::vector<std::unique_ptr<Tracer>> owned;
+    std::vector<Tracer*> tracers;
+    for (const auto& [entry, params] : selected) {
+        owned.push_back(entry->make(court.open.scene, params));
+        tracers.push_back(owned.back().get());
+        results.tracers.push_back(make_tracer_record(name, *tracers.back(), entry->info, params));
+    }
+
+    const double kinds = static_cast<double>(options.rays.kinds.size());
+    for (size_t k = 0; k < options.rays.kinds.size(); ++k) {
+        const double begin = static_cast<double>(k) / kinds;
+        const Progress part = [&](double done) { return go_on(progress, begin + done / kinds); };
+        if (!part(0.0)) return;
+        const Case subject = open_case(court, options.rays.kinds[k], request);
+        bench_case(court, subject, tracers, options.timing, part, results);
+    }
+}
+
+void print(const Results& results, std::FILE* out) {
+    for (size_t begin = 0; begin < results.timings.size();) {
+        const TimingRecord& first = results.timings[begin];
+        std::vector<TimingRecord> group;
+        for (; begin < results.timings.size(); ++begin) {
+            const TimingRecord& record = results.timings[begin];
+            if (record.scene != first.scene || record.rays != first.rays) break;
+            group.push_back(record);
+        }
+        fmt::print(out, "{}", timing_table(group));
+    }
+    fmt::print(out, "judge of the errors: {}\n", results.manifest.judge);
+}
+
+void run(Session& session, BenchCommand& options) {
+    if (!options.json.empty() && options.json != "-") check_writable(options.json);
+    parse_size(options.rays.size);
+    options.timing.seed = session.globals.seed;
+    const std::vector<SelectedStrategy> selected = contestants(session, options.strategy);
+
+    Results results;
+    {
+        ProgressBar bar("bench");
+        const double scenes = static_cast<double>(options.scenes.size());
+        for (size_t i = 0; i < options.scenes.size() && !stop_requested(); ++i) {
+            const double begin = static_cast<double>(i) / scenes;
+            bench_scene(session, options, options.scenes[i], selected,
+                        bar.part(begin, begin + 1.0 / scenes), results);
+        }
+    }
+    print(results, table_stream(options.json));
+    finish(session, results, options.json, stop_requested());
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Session& session) {
+    CLI::App* command = app.add_subcommand(
+        "bench", "Times strategies beside Embree, with the errors of the same rays");
+    auto options = std::make_shared<BenchCommand>();
+    command->add_option("scenes", options->scenes, "Scene names or files")->required();
+    add_strategy_options(*command, options->strategy);
+    add_ray_options(*command, options->rays);
+    command
+        ->add_option("--repetitions", options->timing.repetitions,
+                     fmt::format("Counted rounds, at least {}", kLeastRepetitions))
+        ->capture_default_str();
+    command
+        ->add_option("--warm-up", options->timing.warm_up_ms,
+                     "Least time of uncounted rounds before, in ms")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command->add_option("--json", options->json, "Writes the results; '-' is standard output")
+        ->type_name("FILE");
+    command->callback([&session, options] { run(session, *options); });
+}
+
+}  // namespace onepass::cli

@@ -1,0 +1,292 @@
+// onepass check: every strategy against the oracle, ray by ray and pixel by pixel.
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "compare/atomic_file.h"
+#include "compare/cli/commands.h"
+#include "compare/cli/options.h"
+#include "compare/cli/pictures.h"
+#include "compare/cli/progress_bar.h"
+#include "compare/cli/table.h"
+#include "compare/images.h"
+#include "compare/manifest.h"
+#include "core/error.h"
+
+namespace onepass::cli {
+namespace {
+
+struct CheckCommand {
+    std::vector<std::string> scenes;
+    StrategyOptions strategy;
+    RayOptions rays{{"primary", "random"}, "512x512", 0};
+    std::vector<std::string> allow;
+    bool image = true;
+    std::string json;
+    std::string pictures;
+};
+
+// What the tables say.
+
+std::string id_text(uint32_t id) { return id == kNoId ? "-" : std::to_string(id); }
+
+std::string hit_text(const Hit& hit) {
+    if (!hit.is_hit()) return "miss";
+    return fmt::format("t {} triangle {} instance {}", hit.t, id_text(hit.prim_id),
+                       id_text(hit.inst_id));
+}
+
+std::string vector_text(const vec3& v) { return fmt::format("({}, {}, {})", v.x, v.y, v.z); }
+
+std::string worst_text(HitClass hit_class, const WorstRay& worst) {
+    const Verdict& verdict = worst.verdict;
+    const std::string truth =
+        verdict.true_inst_id == kNoId
+            ? "miss"
+            : fmt::format("t {} triangle {} instance {}", verdict.true_t,
+                          id_text(verdict.true_prim_id), id_text(verdict.true_inst_id));
+    std::string text = fmt::format(
+        "    worst {}: ray {} org {} tmin {} dir {} tmax {}\n      answer {}; oracle {}; judge {}",
+        to_string(hit_class), worst.index, vector_text(worst.ray.org), worst.ray.tmin,
+        vector_text(worst.ray.dir), worst.ray.tmax, hit_text(worst.answer), hit_text(worst.oracle),
+        truth);
+    if (!std::isnan(verdict.t_error_ulps)) {
+        text += fmt::format("; t off by {:.3g} ulps", verdict.t_error_ulps);
+    }
+    if (hit_class == HitClass::edge) {
+        text +=
+            fmt::format("; right for a ray moved by {:.3g} of the bound", verdict.backward_error);
+    }
+    return text + "\n";
+}
+
+/// The bounds that a record breaks; "" if none.
+std::string failure_text(const CheckRecord& record) {
+    std::string reasons;
+    for (size_t c = 0; c < kHitClassCount; ++c) {
+        if (record.classes[c].count <= record.allowed[c]) continue;
+        reasons += fmt::format("{}{} {} > {}", reasons.empty() ? ": " : ", ",
+                               to_string(static_cast<HitClass>(c)), record.classes[c].count,
+                               record.allowed[c]);
+    }
+    return reasons;
+}
+
+/// The records of one scene and one ray set.
+std::string check_table(const std::vector<const CheckRecord*>& records) {
+    const CheckRecord& first = *records.front();
+    std::string text = fmt::format(
+        "{}, {} rays: {} rays, of which {} hit; {} the oracle cannot take; edge budget {}\n",
+        first.scene, first.rays, first.ray_count, first.hit_count, first.oracle_invalid,
+        first.allowed[static_cast<size_t>(HitClass::edge)]);
+    std::vector<std::string> heading = {"tracer"};
+    for (size_t c = 0; c < kHitClassCount; ++c) {
+        heading.emplace_back(to_string(static_cast<HitClass>(c)));
+    }
+    heading.insert(heading.end(), {"other triangle", "exhausted", "judged", "verdict"});
+
+    std::vector<std::vector<std::string>> rows = {heading};
+    std::string worst;
+    for (const CheckRecord* record : records) {
+        std::vector<std::string> row = {record->tracer};
+        std::vector<std::string> oracle_row = {"  oracle on the judged rays"};
+        for (size_t c = 0; c < kHitClassCount; ++c) {
+            row.push_back(std::to_string(record->classes[c].count));
+            oracle_row.push_back(std::to_string(record->oracle_classes[c]));
+        }
+        row.insert(row.end(),
+                   {std::to_string(record->wrong_triangle), std::to_string(record->exhausted),
+                    std::to_string(record->judged), record->passed ? "passed" : "FAILED"});
+        oracle_row.insert(oracle_row.end(), {"", "", "", ""});
+        rows.push_back(row);
+        rows.push_back(oracle_row);
+
+        worst += fmt::format("  {}{}\n", record->tracer, failure_text(*record));
+        for (size_t c = 0; c < kHitClassCount; ++c) {
+            const auto& ray = record->classes[c].worst;
+            if (ray) worst += worst_text(static_cast<HitClass>(c), *ray);
+        }
+    }
+    return text + format_table(rows) + worst;
+}
+
+std::string image_line(const ImageRecord& image) {
+    return fmt::format(
+        "{}, image {} x {}: {} against {}: PSNR {:.1f} dB, RMSE {:.3g}, largest difference {:.3g} "
+        "at ({}, {}), {} pixels differ by more than {:.3g} ({} allowed), {:.2f} rays a pixel: "
+        "{}\n",
+        image.scene, image.width, image.height, image.tracer, image.oracle, image.psnr_db,
+        image.rmse, image.max_difference, image.max_x, image.max_y, image.differing_pixels,
+        image.tolerance, image.allowed_pixels, image.rays_per_pixel,
+        image.passed ? "passed" : "FAILED");
+}
+
+// The work.
+
+/// One run of the command: fills `results` and `pictures`.
+struct CheckRun {
+    Session& session;
+    const CheckCommand& options;
+    const std::vector<SelectedStrategy> selected;
+    const ImageSize size;
+    const HitCheckOptions hit_options;
+    PictureSet pictures;
+    Results results;
+    bool stopped = false;
+
+    RayRequest ray_request() const {
+        return {size.width, size.height, options.rays.camera, session.globals.seed};
+    }
+
+    void check_hits_of(const Court& court, const Case& subject, Tracer& tracer) {
+        HitComparison comparison = check_tracer(court, subject, tracer, hit_options);
+        const RaySet& rays = subject.rays;
+        if (!rays.pixels.empty()) {
+            comparison.record.picture = pictures.add(
+                fmt::format("{}_{}_{}_classes", court.open.name, tracer.name(), rays.name),
+                class_picture(comparison.classes, rays.pixels, rays.width, rays.height));
+        }
+        results.checks.push_back(std::move(comparison.record));
+    }
+
+    void check_image_of(const Court& court, const Frame& truth, Tracer& tracer) {
+        const RenderSettings settings{.width = size.width, .height = size.height};
+        const Camera& camera = court.open.scene->cameras[options.rays.camera];
+        const Frame frame = tracer.render(camera, settings);
+        ImageRecord record = compare_images(frame, truth);
+        record.scene = court.open.name;
+        record.tracer = tracer.name();
+        record.oracle = court.oracle->name();
+
+        const auto add = [&](const std::string& role, const std::string& owner, Picture picture) {
+            const std::string path =
+                pictures.add(fmt::format("{}_{}_{}", court.open.name, owner, role), picture);
+            if (!path.empty()) record.pictures.emplace_back(role, path);
+        };
+        add("image", tracer.name(), tone_mapped(frame));
+        add("oracle", court.oracle->name(), tone_mapped(truth));
+        add("difference", tracer.name(), difference_picture(frame, truth, record.tolerance));
+        if (tracer.capabilities().counters) {
+            HeatMap cells = cells_heat_map(frame);
+            record.cells_full_scale = cells.full_scale;
+            add("cells", tracer.name(), std::move(cells.picture));
+        }
+        results.images.push_back(std::move(record));
+    }
+
+    void check_scene(const std::string& name, const Progress& progress) {
+        // The truth, once.
+        Court court = open_court(session, name);
+        results.manifest.judge = court.judge->name();
+        results.scenes.push_back(court.open.record);
+        std::vector<Case> cases;
+        for (const std::string& kind : options.rays.kinds) {
+            cases.push_back(open_case(court, kind, ray_request()));
+        }
+        Frame truth;
+        if (options.image) {
+            truth = court.oracle->render(court.open.scene->cameras.at(options.rays.camera),
+                                         {.width = size.width, .height = size.height});
+        }
+
+        // Every strategy.
+        for (size_t s = 0; s < selected.size() && !stopped; ++s) {
+            const auto& [entry, params] = selected[s];
+            const std::unique_ptr<Tracer> tracer = entry->make(court.open.scene, params);
+            results.tracers.push_back(make_tracer_record(name, *tracer, entry->info, params));
+            for (const Case& subject : cases) check_hits_of(court, subject, *tracer);
+            if (options.image && tracer->capabilities().render) {
+                check_image_of(court, truth, *tracer);
+            }
+            const double done = static_cast<double>(s + 1) / static_cast<double>(selected.size());
+            stopped = !go_on(progress, done);
+        }
+    }
+
+    void print() const {
+        std::FILE* out = table_stream(options.json);
+        for (const SceneRecord& scene : results.scenes) {
+            for (const std::string& kind : options.rays.kinds) {
+                std::vector<const CheckRecord*> records;
+                for (const CheckRecord& record : results.checks) {
+                    if (record.scene == scene.name && record.rays == kind) {
+                        records.push_back(&record);
+                    }
+                }
+                if (!records.empty()) fmt::print(out, "{}", check_table(records));
+            }
+            for (const ImageRecord& image : results.images) {
+                if (image.scene == scene.name) fmt::print(out, "{}", image_line(image));
+            }
+        }
+        fmt::print(out, "judge: {}\n", results.manifest.judge);
+        if (!results.images.empty()) {
+            fmt::print(out, "image bound: {}\n", results.images.front().reason);
+        }
+    }
+
+    bool passed() const {
+        bool all = true;
+        for (const CheckRecord& record : results.checks) all &= record.passed;
+        for (const ImageRecord& record : results.images) all &= record.passed;
+        return all;
+    }
+};
+
+void run(Session& session, const CheckCommand& options) {
+    if (!options.json.empty() && options.json != "-") check_writable(options.json);
+    HitCheckOptions hit_options;
+    hit_options.allowed = parse_allowances(options.allow);
+    hit_options.seed = session.globals.seed;
+    CheckRun check{session,
+                   options,
+                   select_strategies(session.catalogue, options.strategy),
+                   parse_size(options.rays.size),
+                   hit_options,
+                   PictureSet(options.pictures, options.json),
+                   {},
+                   false};
+    {
+        ProgressBar bar("check");
+        const double scenes = static_cast<double>(options.scenes.size());
+        for (size_t i = 0; i < options.scenes.size() && !check.stopped; ++i) {
+            const double begin = static_cast<double>(i) / scenes;
+            check.check_scene(options.scenes[i], bar.part(begin, begin + 1.0 / scenes));
+        }
+    }
+    check.print();
+    session.exit_code = check.passed() ? kPassed : kFailed;
+    check.pictures.write();
+    finish(session, check.results, options.json, check.stopped);
+}
+
+}  // namespace
+
+void add_check(CLI::App& app, Session& session) {
+    CLI::App* command = app.add_subcommand(
+        "check", "Checks strategies against Embree: hits by class, and the image");
+    auto options = std::make_shared<CheckCommand>();
+    command->add_option("scenes", options->scenes, "Scene names or files")->required();
+    add_strategy_options(*command, options->strategy);
+    add_ray_options(*command, options->rays);
+    command
+        ->add_option("--allow", options->allow,
+                     fmt::format("Bound of a class instead of the default; may be repeated. "
+                                 "Defaults: false_miss, false_hit, wrong_surface and t_error 0; "
+                                 "edge {} of the rays",
+                                 kEdgeShare))
+        ->type_name("CLASS=N");
+    command->add_flag("--image,!--no-image", options->image,
+                      "Also compares the rendered image with Embree's (default: yes)");
+    command->add_option("--json", options->json, "Writes the results; '-' is standard output")
+        ->type_name("FILE");
+    command
+        ->add_option("--pictures", options->pictures,
+                     "Folder for PNGs of images, differences, cells and classes. Default: "
+                     "beside the JSON; without one, none")
+        ->type_name("DIR");
+    command->callback([&session, options] { run(session, *options); });
+}
+
+}  // namespace onepass::cli

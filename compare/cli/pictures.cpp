@@ -1,0 +1,46 @@
+#include "compare/cli/pictures.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "compare/cli/options.h"
+#include "compare/image_io.h"
+#include "core/error.h"
+
+namespace onepass::cli {
+namespace fs = std::filesystem;
+
+PictureSet::PictureSet(const std::string& folder, const std::string& json) {
+    const bool has_json = !json.empty() && json != "-";
+    if (folder.empty() && !has_json) return;
+    json_folder_ = has_json ? fs::path(json).parent_path() : fs::path();
+    if (json_folder_.empty()) json_folder_ = ".";
+    folder_ = folder.empty() ? json_folder_ : fs::path(folder);
+    wanted_ = image_files_supported();
+    if (!wanted_) fmt::print(stderr, "onepass: no pictures: OpenImageIO is not built in\n");
+}
+
+std::string PictureSet::add(const std::string& name, Picture picture) {
+    if (!wanted_) return "";
+    const fs::path path = folder_ / (file_name_part(name) + ".png");
+    const bool known = std::any_of(pictures_.begin(), pictures_.end(),
+                                   [&](const auto& entry) { return entry.first == path; });
+    if (!known) pictures_.emplace_back(path, std::move(picture));
+    return fs::relative(fs::absolute(path), fs::absolute(json_folder_)).string();
+}
+
+void PictureSet::write() const {
+    if (pictures_.empty()) return;
+    std::error_code failure;
+    fs::create_directories(folder_, failure);
+    if (failure) {
+        throw Error({folder_.string(), failure.message(), "a folder for pictures",
+                     "Choose another with --pictures."});
+    }
+    for (const auto& [path, picture] : pictures_) write_png(path, picture);
+    fmt::print(stderr, "onepass: wrote {} pictures to {}\n", pictures_.size(), folder_.string());
+}
+
+}  // namespace onepass::cli

@@ -1,0 +1,36 @@
+// The pictures of a check: gathered in memory, written at the end, so that a check that fails half
+// way leaves no stray files.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compare/images.h"
+
+namespace onepass::cli {
+
+class PictureSet {
+  public:
+    /// `folder`: where --pictures says; empty: beside `json`; with neither, pictures are dropped.
+    /// A build without PNG support drops them too, and says so on stderr.
+    PictureSet(const std::string& folder, const std::string& json);
+
+    bool wanted() const { return wanted_; }
+
+    /// Keeps a picture as NAME.png, once; returns its path relative to the JSON's folder, or "" if
+    /// pictures are dropped.
+    std::string add(const std::string& name, Picture picture);
+
+    /// Makes the folder and writes all pictures. Throws: Error if it cannot.
+    void write() const;
+
+  private:
+    bool wanted_ = false;
+    std::filesystem::path folder_;
+    std::filesystem::path json_folder_;
+    std::vector<std::pair<std::filesystem::path, Picture>> pictures_;
+};
+
+}  // namespace onepass::cli

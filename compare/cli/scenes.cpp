@@ -1,0 +1,45 @@
+// onepass scenes export: a scene as glTF, to look at it elsewhere or to hand it on.
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "compare/atomic_file.h"
+#include "compare/cli/commands.h"
+#include "core/error.h"
+
+namespace onepass::cli {
+namespace {
+
+struct ExportCommand {
+    std::string scene;
+    std::string output;
+};
+
+void run(const ExportCommand& options) {
+    const std::filesystem::path path = options.output;
+    check_writable(path);
+    if (path.extension() != ".glb" && path.extension() != ".gltf") {
+        throw Error({"-o " + path.string(),
+                     fmt::format("extension '{}'", path.extension().string()), ".glb or .gltf",
+                     "Change the name."});
+    }
+    write_gltf(*open_scene(options.scene).scene, path);
+    fmt::print(stderr, "onepass: wrote {}\n", path.string());
+}
+
+}  // namespace
+
+void add_scenes(CLI::App& app, Session&) {
+    CLI::App* scenes = app.add_subcommand("scenes", "Works with scenes");
+    scenes->require_subcommand(1);
+    CLI::App* command = scenes->add_subcommand("export", "Writes a scene as glTF 2.0");
+    auto options = std::make_shared<ExportCommand>();
+    command->add_option("scene", options->scene, "Scene name or file")->required();
+    command
+        ->add_option("-o,--output", options->output, "File: .glb, or .gltf with a .bin beside it")
+        ->required()
+        ->type_name("FILE");
+    command->callback([options] { run(*options); });
+}
+
+}  // namespace onepass::cli

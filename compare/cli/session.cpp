@@ -1,0 +1,100 @@
+#include "compare/cli/session.h"
+
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include "compare/manifest.h"
+#include "cpu_ref/double_judge.h"
+#include "cpu_ref/embree_tracer.h"
+#include "gpu_glsl/glsl_tracers.h"
+#include "scenes/scenes.h"
+
+namespace onepass::cli {
+
+Session::Session(std::vector<std::string> arguments) : arguments_(std::move(arguments)) {
+    const auto add = [&](std::vector<CatalogueEntry> entries) {
+        for (CatalogueEntry& entry : entries) catalogue.add(std::move(entry));
+    };
+    add(glsl_tracers(gl::ShaderLibrary::embedded(),
+                     [this]() -> gl::GlContext& { return gl_context(); }));
+    add(embree_tracers());
+}
+
+gl::GlContext& Session::gl_context() {
+    if (!gl_context_) gl_context_ = gl::make_context(globals.gl, globals.device);
+    return *gl_context_;
+}
+
+Manifest Session::manifest() const {
+    Manifest manifest = make_manifest(arguments_, globals.seed);
+    manifest.embree = embree_description();
+    if (gl_context_) {
+        const gl::GlDescription& description = gl_context_->description();
+        manifest.gl_context = description.kind;
+        manifest.gl_renderer = description.renderer;
+        manifest.gl_version = description.version;
+        manifest.software_renderer = description.software;
+    }
+    return manifest;
+}
+
+OpenScene open_scene(const std::string& name_or_path) {
+    LoadedScene loaded = load_scene(name_or_path);
+    for (const std::string& note : loaded.notes) {
+        fmt::print(stderr, "onepass: {}: {}\n", name_or_path, note);
+    }
+    OpenScene open;
+    open.name = name_or_path;
+    open.record = make_scene_record(name_or_path, loaded);
+    open.scene = std::make_shared<const Scene>(std::move(loaded.scene));
+    return open;
+}
+
+Court open_court(const Session& session, const std::string& name_or_path) {
+    Court court;
+    court.open = open_scene(name_or_path);
+    court.oracle = session.catalogue.at(kOracleName).make(court.open.scene, {});
+    court.judge = make_double_judge(court.open.scene);
+    return court;
+}
+
+Case open_case(Court& court, const std::string& kind_or_file, const RayRequest& request) {
+    Case subject;
+    subject.rays = make_ray_set(kind_or_file, *court.open.scene, *court.oracle, request);
+    subject.truth =
+        court.oracle->cast(court.oracle->upload(subject.rays.rays), {.query = subject.rays.query});
+    return subject;
+}
+
+HitComparison check_tracer(const Court& court, const Case& subject, Tracer& tracer,
+                           const HitCheckOptions& options) {
+    const RaySet& rays = subject.rays;
+    const CastResult answers = tracer.cast(tracer.upload(rays.rays), {.query = rays.query});
+    HitComparison comparison =
+        compare_hits(rays.rays, rays.query, answers, subject.truth, *court.judge, options);
+    comparison.record.scene = court.open.name;
+    comparison.record.rays = rays.name;
+    comparison.record.ray_hash = rays.hash;
+    comparison.record.tracer = tracer.name();
+    comparison.record.oracle = court.oracle->name();
+    return comparison;
+}
+
+void finish(Session& session, Results& results, const std::string& json, bool stopped) {
+    const std::string judge = results.manifest.judge;
+    results.manifest = session.manifest();
+    results.manifest.judge = judge;
+    results.manifest.complete = !stopped;
+    if (stopped) {
+        session.exit_code = kStopped;
+        fmt::print(stderr, "onepass: stopped; the results hold what was finished before\n");
+    }
+    if (json.empty()) return;
+    write_results(results, json);
+    if (json != "-") fmt::print(stderr, "onepass: wrote {}\n", json);
+}
+
+std::FILE* table_stream(const std::string& json) { return json == "-" ? stderr : stdout; }
+
+}  // namespace onepass::cli

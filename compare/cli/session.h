@@ -1,0 +1,94 @@
+// What the commands share in one process: the catalogue, the GL context, the oracle and the
+// results.
+//
+// The one file that joins all modules. A GL context is made only when a GL tracer asks for it.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "compare/hits.h"
+#include "compare/rays.h"
+#include "compare/results.h"
+#include "core/catalogue.h"
+#include "core/io/load.h"
+#include "gpu_glsl/gl/context.h"
+
+namespace onepass::cli {
+
+/// The tracer that every check is against.
+inline constexpr char kOracleName[] = "embree/robust/threads";
+
+/// Exit codes of the program.
+enum ExitCode : int {
+    kPassed = 0,
+    kFailed = 1,     ///< compared, and failed
+    kBadInput = 2,   ///< bad input or usage
+    kNoDevice = 3,   ///< no usable device
+    kInternal = 4,   ///< an error of ours
+    kStopped = 130,  ///< Ctrl-C; what was written is whole, and says that it is not complete
+};
+
+/// Options before the command; `onepass --help` explains them.
+struct GlobalOptions {
+    std::string gl = "auto";
+    int device = gl::kAnyDevice;
+    uint64_t seed = 1;
+};
+
+class Session {
+  public:
+    explicit Session(std::vector<std::string> arguments);
+    Session(const Session&) = delete;  // the catalogue's tracers ask this one for the context
+
+    GlobalOptions globals;
+    Catalogue catalogue;
+    int exit_code = kPassed;
+
+    /// The process's GL context, made at the first call.
+    /// Throws: Error (device) if there is none.
+    gl::GlContext& gl_context();
+
+    /// The manifest of this run so far.
+    Manifest manifest() const;
+
+  private:
+    std::vector<std::string> arguments_;
+    std::unique_ptr<gl::GlContext> gl_context_;
+};
+
+/// A loaded scene with its record; notes of the import have been said on stderr.
+struct OpenScene {
+    std::string name;
+    ScenePtr scene;
+    SceneRecord record;
+};
+OpenScene open_scene(const std::string& name_or_path);
+
+/// A scene with those who know the truth about it.
+struct Court {
+    OpenScene open;
+    std::unique_ptr<Tracer> oracle;
+    std::unique_ptr<Judge> judge;
+};
+Court open_court(const Session& session, const std::string& name_or_path);
+
+/// Rays with the oracle's answers.
+struct Case {
+    RaySet rays;
+    CastResult truth;
+};
+Case open_case(Court& court, const std::string& kind_or_file, const RayRequest& request);
+
+/// Casts and compares; the record is filled in whole.
+HitComparison check_tracer(const Court& court, const Case& subject, Tracer& tracer,
+                           const HitCheckOptions& options);
+
+/// Writes the results to `json` ("-": stdout, empty: nowhere), marked incomplete if `stopped`.
+void finish(Session& session, Results& results, const std::string& json, bool stopped);
+
+/// Where tables go: stdout, or stderr while stdout carries JSON.
+std::FILE* table_stream(const std::string& json);
+
+}  // namespace onepass::cli

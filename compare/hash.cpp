@@ -1,0 +1,88 @@
+#include "compare/hash.h"
+
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace onepass {
+namespace {
+
+/// GLM's vectors are not trivially copyable, but hold nothing that is not in their bytes.
+template <class T>
+constexpr bool kIsPlain = std::is_standard_layout_v<T>&& std::is_trivially_destructible_v<T>;
+
+template <class T>
+void add_value(Fnv1a64& hash, const T& value) {
+    static_assert(kIsPlain<T>);
+    hash.add(&value, sizeof value);
+}
+
+/// The length goes in as well, so that neighbouring lists cannot trade elements unnoticed.
+template <class T>
+void add_list(Fnv1a64& hash, const std::vector<T>& values) {
+    static_assert(kIsPlain<T>);
+    add_value(hash, uint64_t{values.size()});
+    hash.add(values.data(), values.size() * sizeof(T));
+}
+
+void add_object(Fnv1a64& hash, const Object& object) {
+    add_list(hash, object.positions);
+    add_list(hash, object.normals);
+    add_list(hash, object.triangles);
+    add_value(hash, uint64_t{object.groups.size()});
+    for (const TriangleGroup& group : object.groups) {
+        add_value(hash, group.first_triangle);
+        add_value(hash, group.triangle_count);
+    }
+}
+
+}  // namespace
+
+void Fnv1a64::add(const void* bytes, size_t count) {
+    const auto* begin = static_cast<const unsigned char*>(bytes);
+    for (size_t i = 0; i < count; ++i) {
+        value_ = (value_ ^ begin[i]) * 0x100000001b3u;
+    }
+}
+
+std::string hash_text(uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+uint64_t hash_rays(std::span<const Ray> rays) {
+    Fnv1a64 hash;
+    hash.add(rays.data(), rays.size_bytes());
+    return hash.value();
+}
+
+uint64_t hash_scene(const Scene& scene) {
+    Fnv1a64 hash;
+    add_value(hash, uint64_t{scene.objects.size()});
+    for (const Object& object : scene.objects) add_object(hash, object);
+    add_value(hash, uint64_t{scene.instances.size()});
+    for (const Instance& instance : scene.instances) {
+        add_value(hash, instance.object);
+        add_value(hash, instance.world_from_object);
+        add_list(hash, instance.materials);
+    }
+    add_value(hash, uint64_t{scene.materials.size()});
+    for (const Material& material : scene.materials) {
+        add_value(hash, material.diffuse);
+        add_value(hash, material.specular);
+        add_value(hash, material.shininess);
+        add_value(hash, material.reflectivity);
+    }
+    add_value(hash, uint64_t{scene.lights.size()});
+    for (const PointLight& light : scene.lights) {
+        add_value(hash, light.position);
+        add_value(hash, light.intensity);
+    }
+    add_value(hash, uint64_t{scene.cameras.size()});
+    for (const Camera& camera : scene.cameras) {
+        add_value(hash, camera.world_from_camera);
+        add_value(hash, camera.vertical_fov);
+    }
+    add_value(hash, scene.background);
+    add_value(hash, scene.ambient);
+    return hash.value();
+}
+
+}  // namespace onepass

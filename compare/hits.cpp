@@ -1,0 +1,175 @@
+#include "compare/hits.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "compare/random.h"
+#include "core/error.h"
+
+namespace onepass {
+namespace {
+
+/// Distance of two t in ulps of `reference`. NaN if either is.
+double t_distance_ulps(float t, float reference) {
+    const float magnitude = std::abs(reference);
+    const double ulp = double{std::nextafter(magnitude, kInfinity)} - double{magnitude};
+    return std::abs(double{t} - double{reference}) / ulp;
+}
+
+/// A comparison with NaN is false, so a NaN t never agrees.
+bool agree_without_judge(const Hit& answer, const Hit& oracle) {
+    if (!answer.is_hit() || !oracle.is_hit()) return answer.is_hit() == oracle.is_hit();
+    return answer.prim_id == oracle.prim_id && answer.inst_id == oracle.inst_id &&
+           t_distance_ulps(answer.t, oracle.t) <= kTUlps;
+}
+
+Verdict unjudged_agreement(const Hit& answer, const Hit& oracle) {
+    Verdict verdict;
+    verdict.true_t = oracle.t;
+    verdict.true_prim_id = oracle.prim_id;
+    verdict.true_inst_id = oracle.inst_id;
+    verdict.t_error_ulps = oracle.is_hit() ? t_distance_ulps(answer.t, oracle.t)
+                                           : std::numeric_limits<double>::quiet_NaN();
+    return verdict;
+}
+
+struct Judgement {
+    size_t ray = 0;
+    Verdict answer;
+    Verdict oracle;
+};
+
+/// The rays that the judge has to see, in order.
+std::vector<Judgement> rays_to_judge(const CastResult& answers, const CastResult& oracle,
+                                     const HitCheckOptions& options) {
+    Random random(options.seed);
+    std::vector<Judgement> judgements;
+    for (size_t i = 0; i < answers.hits.size(); ++i) {
+        const bool sampled = random.unit() < options.agreement_sample;
+        if (oracle.flags[i] & kFlagOracleInvalid) continue;
+        if (sampled || !agree_without_judge(answers.hits[i], oracle.hits[i])) {
+            judgements.push_back({i, {}, {}});
+        }
+    }
+    return judgements;
+}
+
+/// Larger is worse: by backward error, then by t error; NaN, "no such t", comes last.
+std::pair<double, double> badness(const Verdict& verdict) {
+    const auto or_least = [](double x) { return std::isnan(x) ? -1.0 : x; };
+    return {or_least(verdict.backward_error), or_least(verdict.t_error_ulps)};
+}
+
+void tally(CheckRecord& record, const WorstRay& candidate) {
+    ClassTally& tally = record.classes[static_cast<size_t>(candidate.verdict.hit_class)];
+    ++tally.count;
+    if (!tally.worst || badness(candidate.verdict) > badness(tally.worst->verdict)) {
+        tally.worst = candidate;
+    }
+}
+
+std::array<uint64_t, kHitClassCount> bounds_of(uint64_t ray_count,
+                                               const std::map<HitClass, uint64_t>& allowed) {
+    std::array<uint64_t, kHitClassCount> bounds{};
+    bounds[static_cast<size_t>(HitClass::agree)] = ray_count;
+    bounds[static_cast<size_t>(HitClass::tie)] = ray_count;
+    bounds[static_cast<size_t>(HitClass::edge)] = edge_budget(ray_count);
+    for (const auto& [hit_class, bound] : allowed) bounds[static_cast<size_t>(hit_class)] = bound;
+    return bounds;
+}
+
+bool within_bounds(const CheckRecord& record) {
+    for (size_t c = 0; c < kHitClassCount; ++c) {
+        if (record.classes[c].count > record.allowed[c]) return false;
+    }
+    return true;
+}
+
+}  // namespace
+
+uint64_t edge_budget(uint64_t ray_count) {
+    return static_cast<uint64_t>(std::ceil(kEdgeShare * static_cast<double>(ray_count)));
+}
+
+HitComparison compare_hits(std::span<const Ray> rays, Query query, const CastResult& answers,
+                           const CastResult& oracle, const Judge& judge,
+                           const HitCheckOptions& options) {
+    ONEPASS_CHECK_EQ(answers.hits.size(), rays.size());
+    ONEPASS_CHECK_EQ(answers.flags.size(), rays.size());
+    ONEPASS_CHECK_EQ(oracle.hits.size(), rays.size());
+    ONEPASS_CHECK_EQ(oracle.flags.size(), rays.size());
+
+    // Judge, in parallel.
+    std::vector<Judgement> judgements = rays_to_judge(answers, oracle, options);
+    tbb::parallel_for(size_t{0}, judgements.size(), [&](size_t j) {
+        Judgement& judgement = judgements[j];
+        const size_t i = judgement.ray;
+        const std::array<Hit, 2> both = {answers.hits[i], oracle.hits[i]};
+        const std::vector<Verdict> verdicts = judge.judge(rays[i], query, both);
+        ONEPASS_CHECK_EQ(verdicts.size(), both.size());
+        judgement.answer = verdicts[0];
+        judgement.oracle = verdicts[1];
+    });
+
+    // Tally, in the order of the rays.
+    HitComparison comparison;
+    comparison.classes.resize(rays.size());
+    CheckRecord& record = comparison.record;
+    record.ray_count = rays.size();
+    record.judge = judge.name();
+    record.judged = judgements.size();
+    auto next_judged = judgements.begin();
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const Hit& answer = answers.hits[i];
+        const Hit& truth = oracle.hits[i];
+        record.exhausted += (answers.flags[i] & kFlagExhausted) != 0;
+        if (oracle.flags[i] & kFlagOracleInvalid) {
+            ++record.oracle_invalid;
+            continue;
+        }
+        record.hit_count += truth.is_hit();
+        record.wrong_triangle +=
+            answer.is_hit() && truth.is_hit() &&
+            std::tie(answer.prim_id, answer.inst_id) != std::tie(truth.prim_id, truth.inst_id);
+
+        Verdict verdict = unjudged_agreement(answer, truth);
+        if (next_judged != judgements.end() && next_judged->ray == i) {
+            verdict = next_judged->answer;
+            ++record.oracle_classes[static_cast<size_t>(next_judged->oracle.hit_class)];
+            ++next_judged;
+        }
+        comparison.classes[i] = verdict.hit_class;
+        tally(record, {i, rays[i], answer, truth, verdict});
+    }
+
+    // Decide.
+    record.allowed = bounds_of(rays.size(), options.allowed);
+    record.passed = within_bounds(record);
+    return comparison;
+}
+
+std::pair<HitClass, uint64_t> parse_allowance(const std::string& text) {
+    const size_t equals = text.find('=');
+    const std::string name = text.substr(0, equals);
+    std::string names;
+    for (size_t c = 0; c < kHitClassCount; ++c) {
+        const HitClass hit_class = static_cast<HitClass>(c);
+        names += fmt::format("{}{}", c ? ", " : "", to_string(hit_class));
+        if (name != to_string(hit_class) || equals == std::string::npos) continue;
+        uint64_t bound = 0;
+        const char* end = text.data() + text.size();
+        const auto [stop, failure] = std::from_chars(text.data() + equals + 1, end, bound);
+        if (failure == std::errc() && stop == end) return {hit_class, bound};
+    }
+    throw Error({"--allow", fmt::format("'{}'", text),
+                 "CLASS=N with N a whole number and CLASS one of " + names,
+                 "For example --allow wrong_surface=300."});
+}
+
+}  // namespace onepass

@@ -1,0 +1,62 @@
+// Hit comparison: one tracer's answers against the oracle's, ray by ray, by class.
+//
+// Stands between the casts and the results. Knows tracers only by their answers, and leaves every
+// doubtful ray to the judge; decides nothing about geometry itself.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "compare/results.h"
+#include "core/judge.h"
+#include "core/tracer.h"
+
+namespace onepass {
+
+/// The share of all rays that may be of class `edge`: 1 in 1000, at least one ray.
+///
+/// Reason: a ray is within E_ray of an edge when it passes it closer than about 2^-21 of the
+/// scene's size (4 ulp in origin and direction each). N triangles spread evenly over the view have
+/// edges of total length 2.3 sqrt(N) times its width, so about 4.4e-6 sqrt(N) of the rays are that
+/// close: 1.2e-3 for the 70,000 triangles of the bunny, of which a sound tracer gets only a part
+/// wrong. A tracer that spends more has a fault that E_ray happens to cover: one that computes t in
+/// absolute coordinates, for instance, loses digits on every ray that starts close to what it hits.
+inline constexpr double kEdgeShare = 1e-3;
+uint64_t edge_budget(uint64_t ray_count);
+
+struct HitCheckOptions {
+    /// Bounds that replace the defaults: 0 for the error classes, edge_budget() for `edge`, none
+    /// for `agree` and `tie`.
+    std::map<HitClass, uint64_t> allowed{};
+
+    /// The share of rays on which tracer and oracle agree that is judged nevertheless, drawn at
+    /// random: the two could be wrong together.
+    double agreement_sample = 0.01;
+    uint64_t seed = 0;
+};
+
+struct HitComparison {
+    CheckRecord record;  ///< all but the names of scene, rays, tracer and oracle
+    std::vector<std::optional<HitClass>> classes;  ///< one a ray; none where the oracle is invalid
+};
+
+/// Sorts every ray into one class.
+///
+/// A ray that the oracle flags kFlagOracleInvalid is counted and falls into no class. Tracer and
+/// oracle agree without a judge if both miss, or if both name the same triangle and their t differ
+/// by at most kTUlps ulps of the oracle's. All others, and a sample of the agreements, go to the
+/// judge, which classes both answers. So two that are off alike count as `agree`, apart from the
+/// sample; the oracle's own classes show how often that may be.
+/// Cost: parallel; a judgement a ray that is judged. The result does not depend on thread count.
+HitComparison compare_hits(std::span<const Ray> rays, Query query, const CastResult& answers,
+                           const CastResult& oracle, const Judge& judge,
+                           const HitCheckOptions& options = {});
+
+/// Reads "CLASS=N", an argument of --allow. Throws: Error for another form or an unknown class.
+std::pair<HitClass, uint64_t> parse_allowance(const std::string& text);
+
+}  // namespace onepass

@@ -1,0 +1,90 @@
+#include "compare/manifest.h"
+
+#include <chrono>
+#include <fstream>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <sched.h>
+
+#include "compare/build_info.h"  // made by CMake at every build
+#include "compare/hash.h"
+
+namespace onepass {
+
+Manifest make_manifest(std::vector<std::string> arguments, uint64_t seed) {
+    Manifest manifest;
+    manifest.arguments = std::move(arguments);
+    manifest.time_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+    manifest.commit = kBuildCommit;
+    manifest.dirty = kBuildDirty;
+    manifest.build_type = kBuildType;
+    manifest.compiler = fmt::format("g++ {}", __VERSION__);
+    std::ifstream cpuinfo("/proc/cpuinfo");
+    manifest.cpu = cpu_model(cpuinfo);
+    manifest.cores = usable_cores();
+    manifest.seed = seed;
+    return manifest;
+}
+
+std::string cpu_model(std::istream& cpuinfo) {
+    for (std::string line; std::getline(cpuinfo, line);) {
+        const size_t colon = line.find(": ");
+        if (line.starts_with("model name") && colon != std::string::npos) {
+            return line.substr(colon + 2);
+        }
+    }
+    return "unknown";
+}
+
+uint32_t usable_cores() {
+    cpu_set_t mask;
+    CPU_ZERO(&mask);
+    if (sched_getaffinity(0, sizeof mask, &mask) != 0) return 1;
+    return static_cast<uint32_t>(CPU_COUNT(&mask));
+}
+
+SceneRecord make_scene_record(const std::string& name, const LoadedScene& loaded) {
+    SceneRecord record;
+    record.name = name;
+    record.triangles = instanced_triangle_count(loaded.scene);
+    for (const Object& object : loaded.scene.objects) {
+        record.unique_triangles += object.triangles.size();
+    }
+    record.instances = loaded.scene.instances.size();
+    record.lights = loaded.scene.lights.size();
+    record.hash = hash_text(hash_scene(loaded.scene));
+    record.notes = loaded.notes;
+    return record;
+}
+
+TracerRecord make_tracer_record(const std::string& scene, const Tracer& tracer,
+                                const TracerInfo& info, const ParamValues& given) {
+    const Capabilities capabilities = tracer.capabilities();
+    TracerRecord record;
+    record.scene = scene;
+    record.name = info.name;
+    record.params = Params(info.name, info.params, given).values();
+    record.device = capabilities.device;
+    record.software_renderer = capabilities.software_renderer;
+    record.is_oracle = info.is_oracle;
+    record.is_twin = info.is_twin;
+    record.threads = capabilities.threads;
+    for (const Stat& stat : tracer.stats()) {
+        if (stat.name == "shader_hash") {
+            record.shader_hash = stat.note;
+        } else {
+            record.stats.push_back(stat);
+        }
+    }
+    return record;
+}
+
+double stat_value(const std::vector<Stat>& stats, const std::string& name) {
+    for (const Stat& stat : stats) {
+        if (stat.name == name) return stat.value;
+    }
+    return 0.0;
+}
+
+}  // namespace onepass

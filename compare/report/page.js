@@ -1,0 +1,252 @@
+// Draws the report's charts from the page's JSON block, enlarges pictures, copies commands.
+// The page reads without it. Everything here is drawing: all figures come computed.
+"use strict";
+
+(() => {
+    const data = JSON.parse(document.getElementById("onepass-data").textContent);
+    const kShapes = ["circle", "rect", "triangle", "rectRot", "star", "crossRot", "cross", "rectRounded"];
+    const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+    const series = (i) => {
+        const colours = css("--series").split(/\s+/);
+        return colours[i % colours.length];
+    };
+    const distinct = (values) => [...new Set(values)];
+    const grouped = (n) => n.toLocaleString("en-US");
+    const short = (v) => Number(v.toPrecision(3)).toLocaleString("en-US", { maximumSignificantDigits: 3 });
+    const errorText = (n) => (n === 1 ? "1 error" : `${grouped(n)} errors`);
+
+    // A log axis labels 1, 2 and 5 of each decade; more would collide.
+    const logTick = (value) => {
+        const digit = Math.round(value / 10 ** Math.floor(Math.log10(value) + 1e-9));
+        return [1, 2, 5].includes(digit) ? short(value) : null;
+    };
+
+    // A log axis that ends a little beyond its data instead of at the next decade.
+    const margins = (values, factor) => ({
+        min: Math.min(...values.filter((v) => v > 0)) / factor,
+        max: Math.max(...values) * factor,
+    });
+
+    const axis = (title, extra = {}) => ({
+        title: { display: title !== "", text: title, color: css("--quiet") },
+        grid: { color: css("--rule"), borderColor: css("--rule-strong") },
+        ...extra,
+        ticks: { color: css("--quiet"), ...extra.ticks },
+    });
+
+    const base = (scales, tooltip) => ({
+        animation: false,
+        maintainAspectRatio: false,
+        scales,
+        plugins: {
+            legend: { display: false },
+            tooltip: { callbacks: { title: () => "", label: tooltip } },
+        },
+    });
+
+    // Whiskers of a horizontal bar chart: dataset.interval[i] = [low, high].
+    const whiskers = {
+        id: "whiskers",
+        afterDatasetsDraw(chart) {
+            const { ctx, scales } = chart;
+            ctx.save();
+            ctx.strokeStyle = css("--ink");
+            ctx.lineWidth = 1.5;
+            chart.data.datasets.forEach((dataset, d) => {
+                chart.getDatasetMeta(d).data.forEach((bar, i) => {
+                    const [low, high] = dataset.interval[i];
+                    if (low === null || high === null) return;
+                    const [a, b] = [scales.x.getPixelForValue(low), scales.x.getPixelForValue(high)];
+                    ctx.beginPath();
+                    for (const x of [a, b]) {
+                        ctx.moveTo(x, bar.y - 4);
+                        ctx.lineTo(x, bar.y + 4);
+                    }
+                    ctx.moveTo(a, bar.y);
+                    ctx.lineTo(b, bar.y);
+                    ctx.stroke();
+                });
+            });
+            ctx.restore();
+        },
+    };
+
+    // The line at ratio 1, where a tracer is as fast as the oracle.
+    const parity = {
+        id: "parity",
+        beforeDatasetsDraw({ ctx, scales, chartArea }) {
+            const x = scales.x.getPixelForValue(1);
+            if (x < chartArea.left || x > chartArea.right) return;
+            ctx.save();
+            ctx.strokeStyle = css("--rule-strong");
+            ctx.setLineDash([4, 3]);
+            ctx.beginPath();
+            ctx.moveTo(x, chartArea.top);
+            ctx.lineTo(x, chartArea.bottom);
+            ctx.stroke();
+            ctx.restore();
+        },
+    };
+
+    const timings = data.timings.filter((t) => t.ratio !== null);
+    const tracers = distinct(timings.map((t) => t.tracer));
+    const scenes = distinct(timings.map((t) => t.scene));
+    const raced = timings.filter((t) => !t.oracle);  // the oracle's own ratio is 1
+
+    function ratios(plot) {
+        const spread = Math.max(...raced.map((t) => t.ratio)) / Math.min(...raced.map((t) => t.ratio));
+        const longest = Math.max(1, ...raced.map((t) => t.high ?? t.ratio));
+        plot.style.height = `${raced.length * (raced.length > 16 ? 1.4 : 1.9) + 4.5}rem`;
+        const narrow = plot.clientWidth < 640;
+        const name = (t) => (narrow ? [t.tracer, `${t.scene}, ${t.rays}, ${errorText(t.errors)}`]
+            : `${t.scene} ${t.rays} · ${t.tracer} · ${errorText(t.errors)}`);
+        return {
+            type: "bar",
+            plugins: [whiskers, parity],
+            data: {
+                labels: raced.map(name),
+                datasets: [{
+                    data: raced.map((t) => t.ratio),
+                    interval: raced.map((t) => [t.low, t.high]),
+                    backgroundColor: raced.map((t) => series(tracers.indexOf(t.tracer))),
+                    barPercentage: 0.72,
+                    categoryPercentage: 0.9,
+                }],
+            },
+            options: {
+                ...base({
+                    x: axis("times Embree’s speed", spread > 30
+                        ? { type: "logarithmic", ticks: { callback: logTick } } : { min: 0, suggestedMax: 1.08 * longest }),
+                    y: axis("", { grid: { display: false }, ticks: { color: css("--ink"), autoSkip: false, font: { size: narrow ? 10 : 12 } } }),
+                }, (item) => {
+                    const t = raced[item.dataIndex];
+                    return `${short(t.ratio)} (${short(t.low ?? NaN)} to ${short(t.high ?? NaN)}), ${errorText(t.errors)} in ${grouped(t.count)}`;
+                }),
+                indexAxis: "y",
+            },
+        };
+    }
+
+    // Errors reach from 0 to all rays: the axis is log(1 + errors per million), so 0 has a place.
+    const perMillion = (t) => (t.count > 0 ? (1e6 * t.errors) / t.count : 0);
+    function scatter() {
+        const datasets = tracers.map((tracer, i) => {
+            const mine = timings.filter((t) => t.tracer === tracer && t.mrays !== null);
+            return {
+                label: tracer,
+                timings: mine,
+                data: mine.map((t) => ({ x: Math.log10(1 + perMillion(t)), y: t.mrays })),
+                pointStyle: mine.map((t) => kShapes[scenes.indexOf(t.scene) % kShapes.length]),
+                radius: 6,
+                hoverRadius: 8,
+                borderWidth: 1.5,
+                backgroundColor: `${series(i)}99`,
+                borderColor: series(i),
+            };
+        });
+        // The legend names colours by datasets, shapes by empty datasets of their own.
+        const shapes = scenes.map((scene, i) => ({
+            label: scene, data: [], pointStyle: kShapes[i % kShapes.length],
+            backgroundColor: "transparent", borderColor: css("--quiet"), borderWidth: 1.5,
+        }));
+        const most = Math.max(1, ...timings.map((t) => Math.log10(1 + perMillion(t))));
+        const options = base({
+            x: axis("errors per million rays (logarithmic, with a place for 0)", {
+                min: -0.08,
+                max: Math.ceil(most * 2) / 2 + 0.08,
+                afterBuildTicks: (scale) => {
+                    scale.ticks = [0, 1, 10, 100, 1e3, 1e4, 1e5, 1e6]
+                        .map((n) => ({ value: Math.log10(1 + n), label: grouped(n) }))
+                        .filter((tick) => tick.value <= scale.max);
+                },
+                ticks: { callback: (v) => grouped(Math.round(10 ** v - 1)) },
+            }),
+            y: axis("Mrays/s", { type: "logarithmic", ...margins(timings.map((t) => t.mrays), 1.4), ticks: { callback: logTick } }),
+        }, (item) => {
+            const t = item.dataset.timings[item.dataIndex];
+            return `${t.scene} ${t.rays}, ${t.tracer}: ${short(t.mrays)} Mrays/s, ${errorText(t.errors)} in ${grouped(t.count)}`;
+        });
+        options.plugins.legend = {
+            display: true,
+            position: "bottom",
+            labels: { color: css("--ink"), usePointStyle: true, boxHeight: 7, padding: 16 },
+            onClick: () => {},
+        };
+        return { type: "scatter", data: { datasets: [...datasets, ...shapes] }, options };
+    }
+
+    function sweep(plot) {
+        const study = data.sweeps[Number(plot.dataset.sweep)];
+        const measure = plot.dataset.measure;
+        const curves = distinct(study.points.map((p) => p.curve));
+        const datasets = curves.map((curve, i) => ({
+            label: `${study.curve} ${short(curve)}`,
+            data: study.points.filter((p) => p.curve === curve && p[measure] !== null)
+                .sort((a, b) => a.x - b.x)
+                .map((p) => ({ x: p.x, y: p[measure], errors: p.errors })),
+            borderColor: series(i),
+            backgroundColor: series(i),
+            pointStyle: kShapes[i % kShapes.length],
+            borderWidth: 2,
+            radius: 3.5,
+            tension: 0,
+        }));
+        const options = base({
+            x: axis(study.axis, { type: "logarithmic", ...margins(study.points.map((p) => p.x), 1.25), ticks: { callback: logTick, maxRotation: 0 } }),
+            y: axis("", { min: 0, ticks: { maxTicksLimit: 6 } }),
+        }, (item) => `λ ${short(item.raw.x)}: ${short(item.raw.y)}, ${errorText(item.raw.errors)}`);
+        if (curves.length > 1) {
+            options.plugins.legend = {
+                display: true,
+                position: "bottom",
+                labels: { color: css("--ink"), usePointStyle: true, boxHeight: 6, padding: 14 },
+            };
+        }
+        return { type: "line", data: { datasets }, options };
+    }
+
+    const makers = { ratios, scatter, sweep };
+    let charts = [];
+    function draw() {
+        charts.forEach((chart) => chart.destroy());
+        Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
+        charts = [...document.querySelectorAll("[data-chart]")].map((plot) =>
+            new Chart(plot.querySelector("canvas"), makers[plot.dataset.chart](plot)));
+    }
+    draw();
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+    matchMedia("print").addEventListener("change", draw);
+
+    // Pictures, enlarged with their pixels visible.
+    const viewer = document.getElementById("viewer");
+    for (const button of document.querySelectorAll(".zoom")) {
+        button.addEventListener("click", () => {
+            viewer.querySelector("img").src = button.querySelector("img").src;
+            viewer.querySelector("img").alt = button.querySelector("img").alt;
+            viewer.querySelector("p").textContent = button.querySelector("img").alt;
+            viewer.showModal();
+        });
+    }
+    viewer.addEventListener("click", (event) => {
+        if (event.target === viewer) viewer.close();
+    });
+
+    // A button beside every text that is worth copying.
+    for (const code of document.querySelectorAll("code.copy")) {
+        const button = document.createElement("button");
+        button.type = "button";
+        button.className = "copier";
+        button.textContent = "Copy";
+        button.addEventListener("click", async () => {
+            try {
+                await navigator.clipboard.writeText(code.textContent);
+                button.textContent = "Copied";
+            } catch {
+                getSelection().selectAllChildren(code);
+                button.textContent = "Selected";
+            }
+            setTimeout(() => { button.textContent = "Copy"; }, 1500);
+        });
+        code.after(button);
+    }
+})();

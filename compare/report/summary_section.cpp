@@ -1,0 +1,185 @@
+// The first section: what was compared, on what, and one verdict a scene.
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "compare/report/html.h"
+#include "compare/report/sections.h"
+
+namespace onepass::report {
+namespace {
+
+constexpr size_t kFailuresNamed = 2;  ///< in a verdict; the table below it has them all
+
+std::string joined(const std::set<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) {
+        text += (text.empty() ? "" : ", ") + fmt::format("<code>{}</code>", escape(name));
+    }
+    return text;
+}
+
+std::string scope_paragraph(const Dossier& dossier) {
+    std::set<std::string> tracers, oracles, judges, rays, devices;
+    for (const SceneDossier& scene : dossier.scenes) {
+        for (const auto& check : scene.checks) {
+            tracers.insert(check->tracer);
+            oracles.insert(check->oracle);
+            judges.insert(check->judge);
+            rays.insert(check->rays);
+            if (check.tracer) devices.insert(check.tracer->device);
+        }
+        for (const auto& timing : scene.timings) {
+            tracers.insert(timing->tracer);
+            oracles.insert(timing->oracle);
+            rays.insert(timing->rays);
+            if (timing.tracer) devices.insert(timing.tracer->device);
+        }
+        for (const auto& point : scene.sweeps) tracers.insert(point->tracer);
+    }
+    for (const std::string& oracle : oracles) tracers.erase(oracle);
+    for (auto* names : {&tracers, &oracles, &judges, &rays, &devices}) names->erase("");
+
+    std::string text = "<p class=\"lead\">";
+    if (!tracers.empty()) text += fmt::format("Compared: {}", joined(tracers));
+    if (!oracles.empty()) text += fmt::format(" against {}", joined(oracles));
+    if (!rays.empty()) text += fmt::format(", on rays of kind {}", joined(rays));
+    text += ".";
+    if (!devices.empty()) text += fmt::format(" Run on {}.", joined(devices));
+    if (!judges.empty()) text += fmt::format(" Disagreements judged by: {}.", joined(judges));
+    return text + "</p>\n";
+}
+
+std::string key_figure(const std::string& value, const std::string& name) {
+    return fmt::format("<div><dd>{}</dd><dt>{}</dt></div>", value, name);
+}
+
+std::string key_figures(const Dossier& dossier) {
+    uint64_t rays = 0, errors = 0, checks = 0, passed = 0;
+    for (const SceneDossier& scene : dossier.scenes) {
+        for (const auto& check : scene.checks) {
+            rays += check->ray_count;
+            errors += check->errors();
+            ++checks;
+            passed += check->passed ? 1 : 0;
+        }
+    }
+    std::string html = "<dl class=\"figures\">";
+    html += key_figure(grouped(dossier.scenes.size()), "scenes");
+    if (checks > 0) {
+        html += key_figure(grouped(rays), "rays compared");
+        html += key_figure(grouped(errors), "errors");
+        html += key_figure(fmt::format("{} of {}", passed, checks), "checks passed");
+    }
+    return html + "</dl>\n";
+}
+
+std::string verdict_row(const SceneDossier& scene) {
+    const std::string mark = scene_judged(scene) ? badge(scene_passed(scene))
+                                                 : "<span class=\"badge\">Not judged</span>";
+    return fmt::format("<li>{}<a href=\"#scene-{}\">{}</a><span>{}</span></li>\n", mark,
+                       slug(scene.name), escape(scene.name), verdict_sentence(scene));
+}
+
+/// A check can fail without an error: by its budget of edges.
+std::string failure(const SceneDossier& scene, const Entry<CheckRecord>& check) {
+    const std::string name = escape(label(scene.checks, check));
+    if (check->errors() == 0) {
+        constexpr auto kEdge = static_cast<size_t>(HitClass::edge);
+        return fmt::format("<code>{}</code> has {} on {} rays, {} allowed", name,
+                           counted(check->classes[kEdge].count, "edge"), escape(check->rays),
+                           grouped(check->allowed[kEdge]));
+    }
+    return fmt::format("<code>{}</code> errs on {} of {} {} rays ({})", name,
+                       grouped(check->errors()), grouped(check->ray_count), escape(check->rays),
+                       percent(check->errors(), check->ray_count));
+}
+
+std::string failed_checks(const SceneDossier& scene) {
+    std::vector<Entry<CheckRecord>> failed;
+    for (const auto& check : scene.checks) {
+        if (!check->passed) failed.push_back(check);
+    }
+    std::stable_sort(failed.begin(), failed.end(),
+                     [](const auto& a, const auto& b) { return a->errors() > b->errors(); });
+    std::string text;
+    for (size_t i = 0; i < std::min(failed.size(), kFailuresNamed); ++i) {
+        text += (i == 0 ? "" : "; ") + failure(scene, failed[i]);
+    }
+    if (failed.size() > kFailuresNamed) {
+        text += fmt::format("; {} more below", failed.size() - kFailuresNamed);
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string badge(bool passed) {
+    return passed ? "<span class=\"badge pass\">Pass</span>"
+                  : "<span class=\"badge fail\">Fail</span>";
+}
+
+bool scene_judged(const SceneDossier& scene) {
+    return !scene.checks.empty() || !scene.images.empty();
+}
+
+bool scene_passed(const SceneDossier& scene) {
+    const auto passed = [](const auto& entry) { return entry->passed; };
+    return std::all_of(scene.checks.begin(), scene.checks.end(), passed) &&
+           std::all_of(scene.lesser_checks.begin(), scene.lesser_checks.end(), passed) &&
+           std::all_of(scene.images.begin(), scene.images.end(), passed);
+}
+
+std::string verdict_sentence(const SceneDossier& scene) {
+    if (!scene_judged(scene)) return "Measured only; these runs hold no comparison of its hits.";
+    const auto failed = [](const auto& entry) { return !entry->passed; };
+    uint64_t rays = 0, errors = 0;
+    for (const auto& check : scene.checks) {
+        rays += check->ray_count;
+        errors += check->errors();
+    }
+
+    // Hits.
+    std::string text;
+    if (std::any_of(scene.checks.begin(), scene.checks.end(), failed)) {
+        text = failed_checks(scene);
+    } else if (!scene.checks.empty()) {
+        text = errors == 0 ? fmt::format("No error in {} rays", grouped(rays))
+                           : fmt::format("{} in {} rays, within the bounds asked for",
+                                         counted(errors, "error"), grouped(rays));
+    }
+
+    const auto lesser =
+        std::count_if(scene.lesser_checks.begin(), scene.lesser_checks.end(), failed);
+    if (lesser > 0) text += fmt::format("; {} on fewer rays failed", counted(lesser, "check"));
+
+    // Pictures.
+    const auto wrong = std::count_if(scene.images.begin(), scene.images.end(), failed);
+    if (wrong > 0) {
+        text += fmt::format("{}{} of {} outside the bound", text.empty() ? "" : "; ", wrong,
+                            counted(scene.images.size(), "picture"));
+    } else if (!scene.images.empty()) {
+        text += fmt::format("{}{} agree{} with the oracle’s within the stated bound",
+                            text.empty() ? "" : "; ", counted(scene.images.size(), "picture"),
+                            scene.images.size() == 1 ? "s" : "");
+    }
+    return text + ".";
+}
+
+std::string summary_section(const Dossier& dossier) {
+    std::string html = "<section id=\"summary\">\n<h2>Summary</h2>\n";
+    if (dossier.software_renderer) {
+        html +=
+            "<p class=\"flag\"><strong>Software renderer.</strong> The GL figures of these runs "
+            "were made by a renderer that runs on the CPU. They say nothing of a GPU’s speed; "
+            "hits and errors do carry over as far as both round alike.</p>\n";
+    }
+    html += scope_paragraph(dossier);
+    html += key_figures(dossier);
+    html += "<ul class=\"verdicts\">\n";
+    for (const SceneDossier& scene : dossier.scenes) html += verdict_row(scene);
+    return html + "</ul>\n</section>\n";
+}
+
+}  // namespace onepass::report

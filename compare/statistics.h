@@ -1,0 +1,33 @@
+// Medians and how far to trust their ratios.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace onepass {
+
+/// The middle value; the mean of the two middle ones for an even count. NaN for no samples.
+double median(std::span<const double> samples);
+
+/// Linear interpolation between order statistics; `share` in [0, 1]. NaN for no samples.
+double quantile(std::span<const double> samples, double share);
+
+/// A ratio with its 95 % interval.
+struct RatioInterval {
+    double ratio = 0.0;
+    double low = 0.0;
+    double high = 0.0;
+};
+
+/// Resamples of the bootstrap: the 2.5 % and 97.5 % quantiles then rest on 50 resamples each.
+inline constexpr int kBootstrapResamples = 2000;
+
+/// median(numerator) / median(denominator) and its percentile bootstrap interval.
+///
+/// Paired: sample i of both lists comes from the same round, and rounds are drawn with replacement,
+/// so that what slowed a whole round down does not widen the interval. All NaN for no samples.
+/// The lists have equal lengths. The same seed gives the same interval.
+RatioInterval ratio_of_medians(std::span<const double> numerator,
+                               std::span<const double> denominator, uint64_t seed);
+
+}  // namespace onepass

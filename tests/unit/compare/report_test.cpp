@@ -1,0 +1,584 @@
+// The page generator, on invented results: nothing here was measured.
+//
+// With ONEPASS_REPORT_SAMPLE=FILE the sample page is also written there, to be looked at.
+#include "compare/report/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <regex>
+
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include "compare/report/html.h"
+#include "compare/report/pictures.h"
+#include "core/error.h"
+
+namespace onepass {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// ---- Invented pictures.
+
+std::string big_endian(uint32_t value) {
+    std::string bytes;
+    for (int shift = 24; shift >= 0; shift -= 8) bytes += static_cast<char>(value >> shift);
+    return bytes;
+}
+
+std::string chunk(const std::string& type, const std::string& data) {
+    const std::string body = type + data;
+    const auto sum =
+        crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()));
+    return big_endian(static_cast<uint32_t>(data.size())) + body +
+           big_endian(static_cast<uint32_t>(sum));
+}
+
+/// An 8-bit RGB picture of a shaded disc in one tint.
+std::string disc_png(uint32_t size, const vec3& tint) {
+    std::string rows;
+    for (uint32_t y = 0; y < size; ++y) {
+        rows += '\0';
+        for (uint32_t x = 0; x < size; ++x) {
+            const float u = (static_cast<float>(x) + 0.5f) / static_cast<float>(size) * 2.4f - 1.2f;
+            const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(size) * 2.4f - 1.2f;
+            const float height = std::sqrt(std::max(0.0f, 1.0f - u * u - v * v));
+            const float light = std::max(0.0f, 0.8f * height - 0.4f * u - 0.4f * v);
+            for (int c = 0; c < 3; ++c) rows += static_cast<char>(255.0f * tint[c] * light);
+        }
+    }
+    uLongf length = compressBound(static_cast<uLong>(rows.size()));
+    std::string packed(length, '\0');
+    compress(reinterpret_cast<Bytef*>(packed.data()), &length,
+             reinterpret_cast<const Bytef*>(rows.data()), static_cast<uLong>(rows.size()));
+    packed.resize(length);
+    return "\x89PNG\r\n\x1a\n" +
+           chunk("IHDR", big_endian(size) + big_endian(size) + std::string("\x08\x02\0\0\0", 5)) +
+           chunk("IDAT", packed) + chunk("IEND", "");
+}
+
+void write_file(const fs::path& path, const std::string& bytes) {
+    std::ofstream(path, std::ios::binary) << bytes;
+}
+
+// ---- Invented results.
+
+constexpr uint64_t kRays = 262144;
+const std::string kFragment = "paper/texture2d/fragment";
+const std::string kCompute = "paper/texture2d/compute";
+const std::string kRobust = "embree/robust/1";
+
+CheckRecord sample_check(const std::string& scene, const std::string& tracer,
+                         const std::string& rays, uint64_t wrong) {
+    CheckRecord check;
+    check.scene = scene;
+    check.rays = rays;
+    check.ray_hash = scene + rays;
+    check.ray_count = kRays;
+    check.tracer = tracer;
+    check.oracle = kRobust;
+    check.judge = "double precision (stand-in until the exact judge exists)";
+    check.classes[0].count = kRays - wrong - 6;
+    check.classes[1].count = 5;
+    check.classes[2].count = 1;
+    check.classes[static_cast<size_t>(HitClass::wrong_surface)].count = wrong;
+    check.oracle_classes = {wrong + 1, 5, 0, 0, 0, 0, 0};
+    check.allowed[2] = 263;
+    check.judged = 2621 + wrong + 6;
+    check.wrong_triangle = wrong + 5;
+    check.hit_count = 60000;
+    check.passed = wrong == 0;
+    if (wrong > 0) {
+        WorstRay worst;
+        worst.index = 88213;
+        worst.ray.org = vec3(0.1f, 1.0f / 3.0f, 2.5f);
+        worst.ray.dir = vec3(0.0625f, -0.25f, -1.0f);
+        worst.answer = {2.25f, 0.25f, 0.5f, 1234, 0};
+        worst.oracle = {2.5f, 0.125f, 0.5f, 1240, 0};
+        worst.verdict = {
+            HitClass::wrong_surface, 2.5, 1240, 0, 1.5e5, std::numeric_limits<double>::infinity()};
+        check.classes[static_cast<size_t>(HitClass::wrong_surface)].worst = worst;
+    }
+    return check;
+}
+
+TracerRecord sample_tracer(const std::string& scene, const std::string& name) {
+    TracerRecord tracer;
+    tracer.scene = scene;
+    tracer.name = name;
+    tracer.is_oracle = name == kRobust;
+    tracer.software_renderer = !tracer.is_oracle;
+    tracer.device = tracer.is_oracle ? "Embree 3.13.5" : "llvmpipe (LLVM 15.0.6, 256 bits)";
+    tracer.threads = tracer.is_oracle ? 1 : 0;
+    if (!tracer.is_oracle) {
+        tracer.params = {{"edge_tolerance", "1.004"}, {"density", "5"}, {"top-density", "1.2"}};
+        tracer.shader_hash = "5be0cd19137e2179";
+        tracer.stats = {{"cells", 352000, ""},
+                        {"references", 240512, "entries of all cells' lists"},
+                        {"grid_bytes", 3.5e6, "cells and references on the device"},
+                        {"build_ms", 41.7, ""}};
+    } else {
+        tracer.stats = {{"build_ms", 28.25, "commit at medium quality"}};
+    }
+    return tracer;
+}
+
+ImageRecord sample_image(const std::string& scene, const std::string& tracer) {
+    ImageRecord image;
+    image.scene = scene;
+    image.tracer = tracer;
+    image.oracle = kRobust;
+    image.width = image.height = 256;
+    image.rmse = 0.0021;
+    image.psnr_db = 53.6;
+    image.max_difference = 0.71;
+    image.max_x = 118;
+    image.max_y = 97;
+    image.differing_pixels = 129;
+    image.tolerance = 1.0 / 255.0;
+    image.allowed_pixels = 328;
+    image.reason = "an invented reason for an invented bound";
+    image.passed = true;
+    image.rays_per_pixel = 1.52;
+    image.cells_full_scale = 212;
+    image.pictures = {{"image", "image.png"},
+                      {"oracle", "oracle.png"},
+                      {"difference", "difference.png"},
+                      {"cells", "cells.png"}};
+    return image;
+}
+
+TimingRecord sample_timing(const std::string& scene, const std::string& tracer, double ratio) {
+    TimingRecord timing;
+    timing.scene = scene;
+    timing.rays = "primary";
+    timing.ray_count = kRays;
+    timing.tracer = tracer;
+    timing.oracle = kRobust;
+    for (int i = 0; i < 9; ++i) timing.wall_ms.push_back(120.0 / ratio + 0.5 * i);
+    timing.median_ms = timing.wall_ms[4];
+    timing.mrays_per_s = static_cast<double>(kRays) / timing.median_ms / 1e3;
+    timing.ratio = ratio;
+    timing.ratio_low = ratio * 0.96;
+    timing.ratio_high = ratio * 1.03;
+    timing.errors = tracer == kRobust ? 0 : 308;
+    timing.edges = 1;
+    return timing;
+}
+
+Manifest sample_manifest(const std::string& command) {
+    Manifest manifest;
+    manifest.arguments = {"onepass", command, "bunny", "--json", "results/local/it's here.json"};
+    manifest.time_utc = "2000-01-01T00:00:00Z";
+    manifest.commit = "0123456789ab";
+    manifest.dirty = true;
+    manifest.build_type = "RelWithDebInfo";
+    manifest.compiler = "GNU 12.2.0";
+    manifest.cpu = "An invented CPU";
+    manifest.cores = 2;
+    manifest.gl_context = "osmesa";
+    manifest.gl_renderer = "llvmpipe (LLVM 15.0.6, 256 bits)";
+    manifest.gl_version = "4.5 (Core Profile) Mesa 22.3.6";
+    manifest.software_renderer = true;
+    manifest.embree = "3.13.5, with assertions";
+    manifest.judge = "double precision (stand-in until the exact judge exists)";
+    manifest.seed = 1;
+    return manifest;
+}
+
+Results sample_check_run() {
+    Results run;
+    run.manifest = sample_manifest("check");
+    const std::vector<std::pair<std::string, uint64_t>> scenes = {
+        {"bunny", 308}, {"balls-1", 0}, {"big-small", 12}};
+    for (const auto& [scene, wrong] : scenes) {
+        run.scenes.push_back(
+            {scene,
+             69666,
+             scene == "balls-1" ? 3120u : 69666u,
+             scene == "balls-1" ? 10u : 1u,
+             2,
+             "c0ffee" + scene,
+             {"No camera in the file: an automatic one looks at the whole scene"}});
+        for (const std::string& tracer : {kFragment, kCompute}) {
+            run.tracers.push_back(sample_tracer(scene, tracer));
+            run.checks.push_back(sample_check(scene, tracer, "primary", wrong));
+            run.checks.push_back(sample_check(scene, tracer, "random", wrong / 60));
+            run.images.push_back(sample_image(scene, tracer));
+        }
+        run.checks[run.checks.size() - 4].picture = "classes.png";
+        run.tracers.push_back(sample_tracer(scene, kRobust));
+    }
+    return run;
+}
+
+Results sample_bench_run() {
+    Results run;
+    run.manifest = sample_manifest("bench");
+    double ratio = 0.22;
+    for (const std::string scene : {"bunny", "balls-1", "big-small"}) {
+        for (const std::string& tracer : {kRobust, kFragment, kCompute}) {
+            run.tracers.push_back(sample_tracer(scene, tracer));
+            run.timings.push_back(sample_timing(scene, tracer, tracer == kRobust ? 1.0 : ratio));
+            ratio += 0.03;
+        }
+    }
+    return run;
+}
+
+Results sample_tune_run() {
+    Results run;
+    run.manifest = sample_manifest("tune");
+    run.tracers.push_back(sample_tracer("bunny", kFragment));
+    for (const double top : {1.2, 4.0}) {
+        for (const double density : {0.5, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0}) {
+            SweepPoint point;
+            point.scene = "bunny";
+            point.rays = "primary";
+            point.tracer = kFragment;
+            point.top_density = top;
+            point.object_density = density;
+            point.cells = static_cast<uint64_t>(69666 * density);
+            point.references = static_cast<uint64_t>(160000 * std::cbrt(density));
+            point.bytes = point.cells * 4 + point.references * 4;
+            point.build_ms = 20.0 + 4.0 * density;
+            point.cells_per_ray = 9.0 * std::cbrt(density) + top;
+            point.tests_per_ray = 14.0 / std::cbrt(density);
+            const double time = 20.0 * (point.cells_per_ray + 2.0 * point.tests_per_ray);
+            for (int i = 0; i < 9; ++i) point.wall_ms.push_back(time + i);
+            point.errors = density > 4.0 ? 310 : 308;
+            point.ratio = 120.0 / time;
+            point.ratio_low = 118.0 / time;
+            point.ratio_high = 122.0 / time;
+            run.sweeps.push_back(point);
+        }
+    }
+    SweepPoint refused;
+    refused.scene = "bunny";
+    refused.rays = "primary";
+    refused.tracer = kFragment;
+    refused.top_density = 1.2;
+    refused.object_density = 4096.0;
+    refused.failure = "paper: got 2,900 blocks, expected at most 4096 <of 16^3>";
+    run.sweeps.push_back(refused);
+    return run;
+}
+
+// ---- The tests.
+
+class Report : public testing::Test {
+  protected:
+    void SetUp() override {
+        const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+        folder_ = fs::temp_directory_path() / (std::string("onepass_report_") + test->name());
+        fs::create_directories(folder_);
+        write_file(folder_ / "image.png", disc_png(256, vec3(1.0f, 0.8f, 0.6f)));
+        write_file(folder_ / "oracle.png", disc_png(256, vec3(1.0f, 0.8f, 0.601f)));
+        write_file(folder_ / "difference.png", disc_png(256, vec3(0.1f, 0.0f, 0.2f)));
+        write_file(folder_ / "cells.png", disc_png(256, vec3(0.9f, 0.6f, 0.0f)));
+        write_file(folder_ / "classes.png", disc_png(256, vec3(0.8f, 0.2f, 0.0f)));
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    std::string render(const std::vector<Results>& runs) const {
+        return render_report(runs, std::vector<fs::path>(runs.size(), folder_));
+    }
+
+    std::string sample_page() const {
+        return render({sample_check_run(), sample_bench_run(), sample_tune_run()});
+    }
+
+    fs::path folder_;
+};
+
+/// The page without Chart.js and its own script: what a reader sees.
+std::string visible(const std::string& page) {
+    const size_t scripts = page.find("<script");
+    return page.substr(0, scripts);
+}
+
+/// As it is copied: <wbr> only says where a line may end.
+std::string without_breaks(const std::string& page) {
+    return std::regex_replace(page, std::regex("<wbr>"), "");
+}
+
+size_t count_of(const std::string& text, const std::string& part) {
+    size_t count = 0;
+    for (size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) {
+        ++count;
+    }
+    return count;
+}
+
+size_t timed_sizes(const Results& run) {
+    return static_cast<size_t>(
+        std::count_if(run.sweeps.begin(), run.sweeps.end(),
+                      [](const SweepPoint& p) { return p.failure.empty(); }));
+}
+
+std::vector<std::string> matches(const std::string& text, const std::string& pattern) {
+    std::vector<std::string> all;
+    const std::regex regex(pattern);
+    for (std::sregex_iterator at(text.begin(), text.end(), regex), end; at != end; ++at) {
+        all.push_back(at->str());
+    }
+    return all;
+}
+
+TEST_F(Report, shows_every_class_of_every_check) {
+    const std::string page = without_breaks(visible(sample_page()));
+    for (size_t c = 0; c < kHitClassCount; ++c) {
+        const std::string name(to_string(static_cast<HitClass>(c)));
+        EXPECT_NE(page.find(">" + name + "</th>"), std::string::npos) << name;
+    }
+    for (const std::string name : {"wrong triangle", "exhausted", "oracle-invalid", "judged"}) {
+        EXPECT_NE(page.find("<th>" + name + "</th>"), std::string::npos) << name;
+    }
+    EXPECT_EQ(count_of(page, "<tr class=\"oracle\">"), sample_check_run().checks.size());
+}
+
+TEST_F(Report, shows_no_speed_without_its_errors) {
+    const std::string page = visible(sample_page());
+    size_t speeds = 0;
+    for (size_t at = page.find("<tr"); at != std::string::npos; at = page.find("<tr", at + 1)) {
+        const std::string row = page.substr(at, page.find("</tr>", at) - at);
+        if (row.find("class=\"speed\"") == std::string::npos) continue;
+        ++speeds;
+        EXPECT_NE(row.find("class=\"errors"), std::string::npos) << row;
+    }
+    EXPECT_EQ(speeds, sample_bench_run().timings.size() + timed_sizes(sample_tune_run()));
+    EXPECT_NE(page.find("<td class=\"errors bad\">308<small>0.117\u00a0%"), std::string::npos);
+}
+
+TEST_F(Report, gives_charts_no_speed_without_its_errors) {
+    const std::string page = sample_page();
+    const size_t open = page.find("id=\"onepass-data\">");
+    const std::string data = page.substr(open, page.find("</script>", open) - open);
+    EXPECT_EQ(count_of(data, "\"mrays\":"), sample_bench_run().timings.size());
+    EXPECT_EQ(count_of(data, "\"time\":"), timed_sizes(sample_tune_run()));
+    EXPECT_EQ(count_of(data, "\"errors\":"),
+              count_of(data, "\"mrays\":") + count_of(data, "\"time\":"));
+}
+
+TEST_F(Report, says_in_one_sentence_a_scene_what_came_out) {
+    const std::string page = visible(sample_page());
+    EXPECT_NE(page.find("<code>paper/texture2d/fragment</code> errs on 308 of 262,144 primary rays "
+                        "(0.117\u00a0%)"),
+              std::string::npos);
+    EXPECT_NE(page.find("No error in 1,048,576 rays; 2 pictures agree"), std::string::npos);
+}
+
+TEST_F(Report, explains_the_slack_of_the_paper_with_the_figures_of_the_data) {
+    const std::string page = visible(sample_page());
+    EXPECT_NE(page.find("names another triangle than the oracle for 313 of 262,144 (0.119\u00a0%)"),
+              std::string::npos);
+    EXPECT_EQ(count_of(page, "at most 1.004 instead of 1"), 1u);
+    EXPECT_NE(
+        page.find("names another triangle than the oracle for 17 of 262,144 (0.00648\u00a0%)"),
+        std::string::npos);
+}
+
+TEST_F(Report, does_not_explain_a_slack_that_is_switched_off) {
+    Results run = sample_check_run();
+    for (TracerRecord& tracer : run.tracers) {
+        if (!tracer.is_oracle) tracer.params["edge_tolerance"] = "1.0";
+    }
+    EXPECT_EQ(visible(render({run})).find("class=\"why\""), std::string::npos);
+}
+
+TEST_F(Report, blames_no_slack_for_ties) {
+    const std::string page = visible(sample_page());
+    const size_t balls = page.find("<section id=\"scene-balls-1\"");
+    EXPECT_EQ(page.substr(balls, page.find("</section>", balls) - balls).find("class=\"why\""),
+              std::string::npos);
+}
+
+TEST_F(Report, tells_tracers_of_one_name_apart_by_their_parameters) {
+    Results strict = sample_check_run();
+    for (TracerRecord& tracer : strict.tracers) {
+        if (!tracer.is_oracle) tracer.params["edge_tolerance"] = "1.0";
+    }
+    for (CheckRecord& check : strict.checks) check.wrong_triangle = 6;
+    const std::string page = visible(render({sample_check_run(), strict}));
+    EXPECT_NE(page.find("paper/texture2d/fragment (edge_tolerance = 1.004)"), std::string::npos);
+    EXPECT_NE(page.find("paper/texture2d/fragment (edge_tolerance = 1.0)"), std::string::npos);
+    EXPECT_NE(page.find("the same rays give 6 of 262,144 (0.00229\u00a0%)"), std::string::npos);
+}
+
+TEST_F(Report, lists_a_check_that_two_runs_share_once) {
+    const std::string once = visible(render({sample_check_run()}));
+    const std::string twice = visible(render({sample_check_run(), sample_check_run()}));
+    EXPECT_EQ(count_of(once, "<tr class=\"oracle\">"), count_of(twice, "<tr class=\"oracle\">"));
+}
+
+TEST_F(Report, sets_a_check_on_fewer_rays_apart_but_still_counts_its_verdict) {
+    Results bench = sample_bench_run();
+    bench.checks = {sample_check("balls-1", kFragment, "primary", 0)};
+    bench.checks[0].ray_hash = "others";
+    bench.checks[0].ray_count /= 4;
+    bench.checks[0].passed = false;
+    const std::string page = visible(render({sample_check_run(), bench}));
+    EXPECT_NE(page.find("1 more check of the same tracers"), std::string::npos);
+    EXPECT_NE(page.find("<span class=\"badge fail\">Fail</span><a href=\"#scene-balls-1\">"),
+              std::string::npos);
+    EXPECT_NE(page.find("; 1 check on fewer rays failed"), std::string::npos);
+}
+
+TEST_F(Report, escapes_every_text_of_the_data) {
+    Results run = sample_check_run();
+    const std::string evil = "<script>alert('&\"')</script>";
+    run.manifest.arguments.push_back(evil);
+    for (std::string* text : {&run.manifest.cpu, &run.manifest.embree, &run.manifest.judge,
+                              &run.manifest.commit, &run.manifest.gl_renderer}) {
+        *text = evil;
+    }
+    for (SceneRecord& scene : run.scenes) scene.name = scene.hash = scene.notes[0] = evil;
+    for (TracerRecord& tracer : run.tracers) {
+        tracer.scene = tracer.device = tracer.shader_hash = evil;
+        tracer.params[evil] = evil;
+        tracer.stats[0].name = tracer.stats[0].note = evil;
+    }
+    for (CheckRecord& check : run.checks) {
+        check.scene = check.tracer = check.rays = check.oracle = check.judge = evil;
+    }
+    for (ImageRecord& image : run.images) {
+        image.scene = image.tracer = image.oracle = image.reason = evil;
+        image.pictures[0].first = evil;
+    }
+    run.timings = sample_bench_run().timings;
+    for (TimingRecord& timing : run.timings) {
+        timing.scene = timing.tracer = timing.rays = evil;
+    }
+    const std::string page = render({run});
+    EXPECT_EQ(page.find("<script>alert"), std::string::npos);
+    EXPECT_EQ(count_of(page, "</script>"), 3u);
+    EXPECT_NE(page.find("&lt;script&gt;alert(&#39;&amp;&quot;&#39;)&lt;/script&gt;"),
+              std::string::npos);
+}
+
+TEST_F(Report, loads_nothing_from_the_network) {
+    const std::string page = sample_page();
+    for (const std::string& address : matches(visible(page), "(src|href)=\"[^\"]{0,5}")) {
+        const std::string value = address.substr(address.find('"') + 1);
+        EXPECT_TRUE(value.starts_with("#") || value.starts_with("data:")) << address;
+    }
+    EXPECT_EQ(page.find("<script src"), std::string::npos);
+    EXPECT_EQ(page.find("@import"), std::string::npos);
+    EXPECT_EQ(page.find("url("), std::string::npos);
+}
+
+TEST_F(Report, embeds_each_picture_once_a_scene) {
+    const std::string page = visible(sample_page());
+    const std::string uri = report::data_uri(report::read_png(folder_ / "difference.png"));
+    EXPECT_EQ(count_of(page, uri), sample_check_run().scenes.size());
+    EXPECT_EQ(count_of(page, "Classes of the primary rays</strong>"),
+              sample_check_run().scenes.size());
+}
+
+TEST_F(Report, shows_a_grid_size_that_could_not_be_built_with_its_reason) {
+    const std::string page = visible(sample_page());
+    EXPECT_NE(page.find("expected at most 4096 &lt;of 16^3&gt;"), std::string::npos);
+    EXPECT_NE(
+        page.find("1 could not be built. Best, by errors and then by speed: object λ 4, top λ "
+                  "1.2."),
+        std::string::npos);
+}
+
+TEST_F(Report, names_a_picture_that_is_missing) {
+    fs::remove(folder_ / "difference.png");
+    try {
+        sample_page();
+        FAIL() << "a page without its picture";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("difference.png"), std::string::npos);
+        EXPECT_FALSE(error.parts().remedy.empty());
+    }
+}
+
+TEST_F(Report, refuses_a_picture_that_is_no_png) {
+    write_file(folder_ / "difference.png", "GIF89a, and long enough for a header");
+    EXPECT_THROW(sample_page(), Error);
+}
+
+TEST_F(Report, stays_below_its_size_bound_or_says_so) {
+    EXPECT_LT(sample_page().size(), kReportMaxBytes);
+
+    std::string heavy = disc_png(16, vec3(1.0f));
+    heavy.resize(kReportMaxBytes);
+    write_file(folder_ / "difference.png", heavy);
+    EXPECT_THROW(sample_page(), Error);
+}
+
+TEST_F(Report, flags_a_software_renderer) {
+    EXPECT_NE(visible(sample_page()).find("<strong>Software renderer.</strong>"),
+              std::string::npos);
+    Results run = sample_check_run();
+    run.manifest.software_renderer = false;
+    for (TracerRecord& tracer : run.tracers) tracer.software_renderer = false;
+    EXPECT_EQ(visible(render({run})).find("<strong>Software renderer.</strong>"),
+              std::string::npos);
+}
+
+TEST_F(Report, gives_the_command_that_remakes_a_run_quoted_for_a_shell) {
+    EXPECT_NE(visible(sample_page())
+                  .find("onepass check bunny --json &#39;results/local/it&#39;\\&#39;&#39;s "
+                        "here.json&#39;</code>"),
+              std::string::npos);
+}
+
+TEST_F(Report, gives_the_worst_ray_as_text_that_reads_back_bit_equal) {
+    EXPECT_NE(without_breaks(visible(sample_page()))
+                  .find("--ray 0.1,0.33333334,2.5,0,0.0625,-0.25,-1,inf</code>"),
+              std::string::npos);
+}
+
+TEST_F(Report, needs_at_least_one_run) { EXPECT_THROW(render_report({}, {}), Error); }
+
+TEST_F(Report, stands_a_run_without_any_record) {
+    const std::string page = render({Results{}});
+    EXPECT_NE(page.find("id=\"environment\""), std::string::npos);
+    EXPECT_EQ(page.find("id=\"speed\""), std::string::npos);
+}
+
+TEST_F(Report, writes_the_sample_page_where_asked) {
+    const std::string page = sample_page();
+    if (const char* path = std::getenv("ONEPASS_REPORT_SAMPLE")) write_file(path, page);
+    EXPECT_TRUE(page.starts_with("<!doctype html>"));
+    EXPECT_EQ(page.find("{{title}}"), std::string::npos);
+}
+
+TEST(ReportNumbers, keep_significant_digits_and_never_an_exponent) {
+    EXPECT_EQ(report::significant(0.0), "0");
+    EXPECT_EQ(report::significant(9.996), "10.0");
+    EXPECT_EQ(report::significant(0.000123456), "0.000123");
+    EXPECT_EQ(report::significant(1234567.0), "1,234,567");
+    EXPECT_EQ(report::significant(-2.5), "−2.50");
+    EXPECT_EQ(report::significant(kNaN), "–");
+    EXPECT_EQ(report::significant(INFINITY), "∞");
+    EXPECT_EQ(report::grouped(999), "999");
+    EXPECT_EQ(report::grouped(1000), "1,000");
+    EXPECT_EQ(report::percent(308, 262144), "0.117\u00a0%");
+    EXPECT_EQ(report::percent(0, 10), "0\u00a0%");
+    EXPECT_EQ(report::percent(0, 0), "–");
+}
+
+TEST(ReportNumbers, never_round_a_share_of_rays_to_zero) {
+    EXPECT_NE(report::percent(1, 1u << 30), "0\u00a0%");
+}
+
+TEST(ReportPictures, are_base64_as_rfc_4648_has_it) {
+    EXPECT_EQ(report::base64(""), "");
+    EXPECT_EQ(report::base64("f"), "Zg==");
+    EXPECT_EQ(report::base64("fo"), "Zm8=");
+    EXPECT_EQ(report::base64("foobar"), "Zm9vYmFy");
+    EXPECT_EQ(report::base64(std::string("\xff\xfe\xfd", 3)), "//79");
+}
+
+}  // namespace
+}  // namespace onepass

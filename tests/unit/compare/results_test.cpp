@@ -1,0 +1,301 @@
+// Results: JSON both ways, tampered files, and files written whole or not at all.
+#include "compare/results.h"
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include <gtest/gtest.h>
+
+#include "compare/atomic_file.h"
+#include "compare/manifest.h"
+#include "core/error.h"
+#include "tests/support/fake_tracer.h"
+#include "tests/support/temporary_folder.h"
+
+namespace onepass {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// A value in every field, none of them a default.
+Results full_results() {
+    Results results;
+    results.manifest = {{"onepass", "check"},
+                        "2024-05-06T07:08:09Z",
+                        "abc123",
+                        true,
+                        "Release",
+                        "12.2.0",
+                        "a CPU",
+                        64,
+                        "egl",
+                        "a GPU",
+                        "4.6",
+                        true,
+                        "Embree",
+                        "exact",
+                        0xFFFFFFFFFFFFFFFFu,
+                        false};
+    results.scenes = {{"bunny", 10, 9, 8, 7, "00ff", {"note \"one\"", "two\n"}}};
+    results.tracers = {{"bunny",
+                        "paper/x/y",
+                        {{"density", "5"}},
+                        "GPU",
+                        true,
+                        true,
+                        true,
+                        3,
+                        "beef",
+                        {{"build_ms", 1.25, "wall"}}}};
+    CheckRecord check;
+    check.scene = "bunny";
+    check.rays = "primary";
+    check.ray_hash = "1234";
+    check.ray_count = 100;
+    check.tracer = "paper/x/y";
+    check.oracle = "embree";
+    check.judge = "exact";
+    for (size_t c = 0; c < kHitClassCount; ++c) {
+        check.classes[c].count = c + 1;
+        check.oracle_classes[c] = c + 10;
+        check.allowed[c] = c + 20;
+    }
+    WorstRay worst;
+    worst.index = 42;
+    worst.ray = {vec3(0.1f, -0.0f, 1e-30f), 0.25f, vec3(3, 2, 1), kInfinity};
+    worst.answer = {1.5f, 0.25f, 0.125f, 5, 6};
+    worst.verdict = {
+        HitClass::false_hit, std::numeric_limits<double>::infinity(), kNoId, kNoId, kNan, 0.5};
+    check.classes[4].worst = worst;
+    check.judged = 31;
+    check.wrong_triangle = 32;
+    check.hit_count = 33;
+    check.oracle_invalid = 34;
+    check.exhausted = 35;
+    check.passed = true;
+    check.picture = "classes.png";
+    results.checks = {check};
+    results.images = {{"bunny",
+                       "paper/x/y",
+                       "embree",
+                       512,
+                       256,
+                       0.5,
+                       6.0,
+                       0.75,
+                       3,
+                       4,
+                       5,
+                       0.25,
+                       6,
+                       "because",
+                       true,
+                       2.5,
+                       99.0,
+                       {{"image", "a.png"}, {"oracle", "b.png"}}}};
+    results.timings = {{"bunny",
+                        "random",
+                        9,
+                        "paper/x/y",
+                        "embree",
+                        {1.5, 2.5},
+                        {0.5},
+                        {3.5, 4.5},
+                        2.0,
+                        0.0045,
+                        2.0,
+                        1.5,
+                        2.25,
+                        7,
+                        8}};
+    results.sweeps = {{"bunny",
+                       "primary",
+                       "paper/x/y",
+                       1.25,
+                       5.5,
+                       1,
+                       2,
+                       3,
+                       4.5,
+                       5.5,
+                       6.5,
+                       7,
+                       "refused",
+                       {8.5},
+                       9.5,
+                       10.5,
+                       11.5}};
+    return results;
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return text.replace(at, from.size(), to);
+}
+
+TEST(ResultsJson, reads_back_what_was_written) {
+    const Results results = full_results();
+    const std::string text = to_json(results);
+    const Results again = results_from_json(text, "test");
+    EXPECT_EQ(to_json(again), text);
+    // Spot checks against the original, so that a field lost on both ways is seen.
+    EXPECT_EQ(again.manifest.seed, 0xFFFFFFFFFFFFFFFFu);
+    EXPECT_FALSE(again.manifest.complete);
+    EXPECT_EQ(again.scenes[0].notes, results.scenes[0].notes);
+    EXPECT_EQ(again.tracers[0].params, results.tracers[0].params);
+    EXPECT_EQ(again.tracers[0].stats[0].value, 1.25);
+    const CheckRecord& check = again.checks[0];
+    EXPECT_EQ(check.allowed, results.checks[0].allowed);
+    EXPECT_EQ(check.oracle_classes, results.checks[0].oracle_classes);
+    EXPECT_FALSE(check.classes[3].worst);
+    ASSERT_TRUE(check.classes[4].worst);
+    const WorstRay& worst = *check.classes[4].worst;
+    EXPECT_EQ(worst.ray.org, vec3(0.1f, -0.0f, 1e-30f)) << "floats survive as they are";
+    EXPECT_TRUE(std::signbit(worst.ray.org.y));
+    EXPECT_EQ(worst.ray.tmax, kInfinity);
+    EXPECT_EQ(worst.oracle, Hit{});
+    EXPECT_EQ(worst.verdict.hit_class, HitClass::false_hit);
+    EXPECT_TRUE(std::isinf(worst.verdict.true_t));
+    EXPECT_TRUE(std::isnan(worst.verdict.t_error_ulps));
+    EXPECT_EQ(again.images[0].pictures, results.images[0].pictures);
+    EXPECT_EQ(again.timings[0].oracle_wall_ms, results.timings[0].oracle_wall_ms);
+    EXPECT_EQ(again.sweeps[0].failure, "refused");
+}
+
+TEST(ResultsJson, reads_back_an_empty_run) {
+    EXPECT_TRUE(results_from_json(to_json(Results{}), "test").checks.empty());
+}
+
+/// A change to a good file, and a word that the error must say.
+struct Tampered {
+    std::string what;
+    std::string from;
+    std::string to;
+    std::string expected_word;
+};
+
+class TamperedJson : public testing::TestWithParam<Tampered> {};
+
+TEST_P(TamperedJson, is_refused_with_its_place) {
+    const std::string text = replaced(to_json(full_results()), GetParam().from, GetParam().to);
+    try {
+        results_from_json(text, "run.json");
+        FAIL() << "was read";
+    } catch (const Error& error) {
+        const std::string message = error.what();
+        EXPECT_NE(message.find("run.json"), std::string::npos) << message;
+        EXPECT_NE(message.find(GetParam().expected_word), std::string::npos) << message;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    ResultsJson, TamperedJson,
+    testing::Values(
+        Tampered{"version", "\"schema_version\": 1", "\"schema_version\": 2", "schema_version"},
+        Tampered{"no_version", "\"schema_version\": 1,", "", "schema_version"},
+        Tampered{"missing_field", "\"commit\": \"abc123\",", "", "manifest.commit"},
+        Tampered{"unknown_field", "\"dirty\":", "\"dirt\": 1, \"dirty\":", "dirt"},
+        Tampered{"string_for_number", "\"ray_count\": 100", "\"ray_count\": \"100\"",
+                 "checks[0].ray_count"},
+        Tampered{"negative_count", "\"judged\": 31", "\"judged\": -31", "checks[0].judged"},
+        Tampered{"fraction_for_count", "\"judged\": 31", "\"judged\": 31.5", "checks[0].judged"},
+        Tampered{"too_large", "\"width\": 512", "\"width\": 5120000000", "images[0].width"},
+        Tampered{"number_for_bool", "\"dirty\": true", "\"dirty\": 1", "manifest.dirty"},
+        Tampered{"unknown_class", "\"hit_class\": \"false_hit\"", "\"hit_class\": \"fine\"",
+                 "verdict.hit_class"},
+        Tampered{"class_left_out", "\"false_hit\": 14,", "", "oracle_classes.false_hit"},
+        Tampered{"word_for_number", "\"rmse\": 0.5", "\"rmse\": \"small\"", "images[0].rmse"},
+        Tampered{"object_for_list", "\"sweeps\": [", "\"sweeps\": {}, \"x\": [", "sweeps"},
+        Tampered{"cut_short", "\"timings\"", "", "JSON"}),
+    [](const auto& test) { return test.param.what; });
+
+TEST(ResultsJson, refuses_json_that_is_something_else) {
+    for (const char* text : {"", "[]", "null", "3", "{}", "\"text\""}) {
+        EXPECT_THROW(results_from_json(text, "run.json"), Error) << text;
+    }
+}
+
+TEST(ResultsFile, is_read_back_from_disk) {
+    const TemporaryFolder folder;
+    const auto path = folder.path() / "run.json";
+    write_results(full_results(), path);
+    EXPECT_EQ(to_json(read_results(path)), to_json(full_results()));
+    EXPECT_EQ(folder.names(), std::vector<std::string>{"run.json"}) << "no temporary file is left";
+    EXPECT_THROW(read_results(folder.path()), Error);
+    EXPECT_THROW(read_results(folder.path() / "missing.json"), Error);
+}
+
+TEST(WriteAtomically, leaves_the_old_file_and_nothing_else_when_writing_fails) {
+    const TemporaryFolder folder;
+    const auto path = folder.write("data.txt", "old");
+    const auto failing = [](const std::filesystem::path& temporary) {
+        std::ofstream(temporary) << "half of the new";
+        throw Error({"writer", "trouble", "none", "Try again."});
+    };
+    EXPECT_THROW(write_atomically(path, failing), Error);
+    EXPECT_EQ(read_bytes(path), "old");
+    EXPECT_EQ(folder.names(), std::vector<std::string>{"data.txt"});
+}
+
+TEST(WriteAtomically, replaces_a_file_whole_and_keeps_its_extension_on_the_way) {
+    const TemporaryFolder folder;
+    const auto path = folder.write("data.png", "old");
+    write_atomically(path, [&](const std::filesystem::path& temporary) {
+        EXPECT_EQ(temporary.extension(), ".png");
+        EXPECT_EQ(temporary.parent_path(), path.parent_path()) << "rename needs one file system";
+        EXPECT_EQ(read_bytes(path), "old") << "the target is untouched while writing";
+        std::ofstream(temporary) << "new";
+    });
+    EXPECT_EQ(read_bytes(path), "new");
+}
+
+TEST(WriteAtomically, refuses_a_folder_and_a_folder_that_is_not_there) {
+    const TemporaryFolder folder;
+    EXPECT_THROW(write_bytes_atomically(folder.path(), "x"), Error);
+    EXPECT_THROW(write_bytes_atomically(folder.path() / "no" / "file", "x"), Error);
+    EXPECT_THROW(write_bytes_atomically("", "x"), Error);
+    EXPECT_TRUE(folder.names().empty());
+}
+
+TEST(CheckRecord, adds_up_its_errors_and_nothing_else) {
+    CheckRecord record;
+    for (size_t c = 0; c < kHitClassCount; ++c) record.classes[c].count = uint64_t{1} << (8 * c);
+    EXPECT_EQ(record.errors(), 0x01010101000000u);
+}
+
+TEST(Manifest, names_this_build_and_this_machine) {
+    const Manifest manifest = make_manifest({"onepass", "check"}, 17);
+    EXPECT_EQ(manifest.seed, 17u);
+    EXPECT_GE(manifest.cores, 1u);
+    EXPECT_EQ(manifest.time_utc.size(), 20u) << manifest.time_utc;
+    EXPECT_EQ(manifest.time_utc.back(), 'Z');
+    EXPECT_TRUE(manifest.commit == "unknown" || manifest.commit.size() == 40) << manifest.commit;
+    EXPECT_TRUE(manifest.complete);
+}
+
+TEST(Manifest, reads_the_cpu_model) {
+    std::istringstream cpuinfo("processor\t: 0\nmodel name\t: Some CPU @ 2 GHz\nflags\t: x\n");
+    EXPECT_EQ(cpu_model(cpuinfo), "Some CPU @ 2 GHz");
+    std::istringstream other("Processor: 0\n");
+    EXPECT_EQ(cpu_model(other), "unknown");
+}
+
+TEST(TracerRecord, records_defaults_and_the_shader_hash) {
+    FakeTracer tracer("paper/x/y");
+    tracer.figures = {{"cells", 8.0, ""}, {"shader_hash", 0.0, "beef"}};
+    TracerInfo info;
+    info.name = tracer.name();
+    info.params = {{"density", ParamInfo::Type::real, "5", "", {}},
+                   {"tolerance", ParamInfo::Type::real, "1.004", "", {}}};
+    const TracerRecord record = make_tracer_record("bunny", tracer, info, {{"tolerance", "1.0"}});
+    EXPECT_EQ(record.params, (ParamValues{{"density", "5"}, {"tolerance", "1.0"}}));
+    EXPECT_EQ(record.shader_hash, "beef");
+    ASSERT_EQ(record.stats.size(), 1u);
+    EXPECT_EQ(stat_value(record.stats, "cells"), 8.0);
+    EXPECT_EQ(stat_value(record.stats, "nothing"), 0.0);
+}
+
+}  // namespace
+}  // namespace onepass
