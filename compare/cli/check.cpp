@@ -276,7 +276,8 @@ void add_check(CLI::App& app, Session& session) {
                                  "Defaults: false_miss, false_hit, wrong_surface and t_error 0; "
                                  "edge {} of the rays",
                                  kEdgeShare))
-        ->type_name("CLASS=N");
+        ->type_name("CLASS=N")
+        ->allow_extra_args(false);
     command->add_flag("--image,!--no-image", options->image,
                       "Also compares the rendered image with Embree's (default: yes)");
     command->add_option("--json", options->json, "Writes the results; '-' is standard output")

@@ -25,10 +25,10 @@ Rows program_rows(const Session& session) {
                                   manifest.commit, manifest.dirty ? " with changes" : "")},
             {"CPU", fmt::format("{}, {} usable cores", manifest.cpu, manifest.cores)},
             {"Embree", manifest.embree},
-            {"PNG and EXR", image_io_description() == "not built in"
-                                ? "not built in: AOVs are written as .npy. Remedy: build with "
-                                  "ONEPASS_WITH_OPENIMAGEIO=ON"
-                                : image_io_description()},
+            {"PNG and EXR", image_files_supported()
+                                ? image_io_description()
+                                : "not built in: AOVs are written as .npy. Remedy: build with "
+                                  "ONEPASS_WITH_OPENIMAGEIO=ON"},
 #ifdef ONEPASS_WITH_ASSIMP
             {"mesh files", "glTF, and OBJ, PLY, STL and others through Assimp"}};
 #else

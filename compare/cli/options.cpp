@@ -57,12 +57,14 @@ void add_strategy_options(CLI::App& command, StrategyOptions& options) {
         .add_option("-s,--strategy", options.patterns,
                     "Strategy: NAME[/STORAGE[/ENTRY]] or a pattern with '*'; may be repeated. "
                     "Default: all but Embree and the twins")
-        ->type_name("NAME");
+        ->type_name("NAME")
+        ->allow_extra_args(false);
     command
         .add_option("--param", options.params,
                     "A strategy's parameter; may be repeated ('onepass list strategies' shows "
                     "them with defaults and units)")
-        ->type_name("NAME=VALUE");
+        ->type_name("NAME=VALUE")
+        ->allow_extra_args(false);
 }
 
 std::vector<const CatalogueEntry*> default_strategies(const Catalogue& catalogue) {
@@ -118,6 +120,7 @@ void add_ray_options(CLI::App& command, RayOptions& options) {
             "be repeated" +
                 kinds)
         ->type_name("KIND|FILE.npy")
+        ->allow_extra_args(false)
         ->capture_default_str();
     command
         .add_option("--size", options.size,

@@ -18,13 +18,14 @@ PictureSet::PictureSet(const std::string& folder, const std::string& json) {
     json_folder_ = has_json ? fs::path(json).parent_path() : fs::path();
     if (json_folder_.empty()) json_folder_ = ".";
     folder_ = folder.empty() ? json_folder_ : fs::path(folder);
+    if (has_json) prefix_ = fs::path(json).stem().string() + "_";
     wanted_ = image_files_supported();
     if (!wanted_) fmt::print(stderr, "onepass: no pictures: OpenImageIO is not built in\n");
 }
 
 std::string PictureSet::add(const std::string& name, Picture picture) {
     if (!wanted_) return "";
-    const fs::path path = folder_ / (file_name_part(name) + ".png");
+    const fs::path path = folder_ / (file_name_part(prefix_ + name) + ".png");
     const bool known = std::any_of(pictures_.begin(), pictures_.end(),
                                    [&](const auto& entry) { return entry.first == path; });
     if (!known) pictures_.emplace_back(path, std::move(picture));

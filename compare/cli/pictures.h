@@ -19,7 +19,8 @@ class PictureSet {
 
     bool wanted() const { return wanted_; }
 
-    /// Keeps a picture as NAME.png, once; returns its path relative to the JSON's folder, or "" if
+    /// Keeps a picture as JSON_NAME.png (JSON: the results' name, so that two runs in one folder do
+    /// not overwrite each other's), once; returns its path relative to the JSON's folder, or "" if
     /// pictures are dropped.
     std::string add(const std::string& name, Picture picture);
 
@@ -30,6 +31,7 @@ class PictureSet {
     bool wanted_ = false;
     std::filesystem::path folder_;
     std::filesystem::path json_folder_;
+    std::string prefix_;
     std::vector<std::pair<std::filesystem::path, Picture>> pictures_;
 };
 

@@ -129,7 +129,8 @@ void add_render(CLI::App& app, Session& session) {
                      "Embree nor a twin")
         ->type_name("NAME");
     command->add_option("--param", options->params, "A strategy's parameter; may be repeated")
-        ->type_name("NAME=VALUE");
+        ->type_name("NAME=VALUE")
+        ->allow_extra_args(false);
     command->add_option("--size", options->size, "Image size in pixels")
         ->type_name("WxH")
         ->capture_default_str();
@@ -143,6 +144,7 @@ void add_render(CLI::App& app, Session& session) {
             "--aov", options->aovs,
             fmt::format("Outputs of an .exr or .npy, by commas: {}. Default: color", aov_help))
         ->delimiter(',')
+        ->allow_extra_args(false)
         ->type_name("NAME,...");
     command->add_option("--camera", options->camera, "Which of the scene's cameras, from 0")
         ->capture_default_str();

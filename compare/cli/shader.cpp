@@ -44,7 +44,8 @@ void add_shader(CLI::App& app, Session& session) {
     command->add_option("--scene", options->scene, "Scene whose needs the variant is made for")
         ->capture_default_str();
     command->add_option("--param", options->params, "A strategy's parameter; may be repeated")
-        ->type_name("NAME=VALUE");
+        ->type_name("NAME=VALUE")
+        ->allow_extra_args(false);
     command->add_option("--entry", options->entry, "render (a whole image) or cast (given rays)")
         ->check(CLI::IsMember({"render", "cast"}))
         ->capture_default_str();

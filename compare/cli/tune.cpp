@@ -170,6 +170,7 @@ void add_tune(CLI::App& app, Session& session) {
         ->add_option("--densities", options->densities,
                      "Densities of the object grids, in cells a triangle, by commas")
         ->delimiter(',')
+        ->allow_extra_args(false)
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
     command
@@ -177,6 +178,7 @@ void add_tune(CLI::App& app, Session& session) {
                      "Densities of the top-level grid, in cells an instance, by commas. "
                      "Default: the strategy's own")
         ->delimiter(',')
+        ->allow_extra_args(false)
         ->check(CLI::PositiveNumber);
     command
         ->add_option("--repetitions", options->timing.repetitions,

@@ -130,7 +130,8 @@ std::string shell_word(const std::string& argument) {
 std::string command_line(const Manifest& manifest) {
     std::string line;
     for (const std::string& argument : manifest.arguments) {
-        line += (line.empty() ? "" : " ") + shell_word(argument);
+        if (!line.empty()) line += ' ';
+        line += shell_word(argument);
     }
     return line;
 }

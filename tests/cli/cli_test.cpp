@@ -180,6 +180,14 @@ TEST(Check, prints_every_class_and_writes_results) {
     EXPECT_EQ(results.manifest.gl_context, "") << "no GL context for an Embree check";
 }
 
+TEST(Check, takes_one_value_for_each_repeated_option) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        onepass_in(folder, {"check", "-s", "embree/fast", "-s", "embree/robust/1thread", "--rays",
+                            "primary", "balls-1", "--size", "16x16", "--no-image", "--json", "-"});
+    EXPECT_EQ(results_from_json(outcome.out, "run").checks.size(), 2u) << outcome.err;
+}
+
 TEST(Check, gives_the_same_counts_for_the_same_seed) {
     const TemporaryFolder folder;
     const auto check = with(kSmallCheck, {"--no-image", "--seed", "5", "--json", "-"});

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include "compare/atomic_file.h"
 #include "compare/manifest.h"
@@ -164,6 +165,23 @@ TEST(ResultsJson, reads_back_what_was_written) {
     EXPECT_EQ(again.sweeps[0].failure, "refused");
 }
 
+TEST(ResultsJson, holds_every_member_of_every_record) {
+    const auto document = nlohmann::json::parse(to_json(full_results()));
+    EXPECT_EQ(document.size(), 8u) << "the version and the members of Results";
+    EXPECT_EQ(document["manifest"].size(), 16u);
+    EXPECT_EQ(document["scenes"][0].size(), 7u);
+    EXPECT_EQ(document["tracers"][0].size(), 10u);
+    EXPECT_EQ(document["checks"][0].size(), 17u);
+    EXPECT_EQ(document["images"][0].size(), 18u);
+    EXPECT_EQ(document["timings"][0].size(), 15u);
+    EXPECT_EQ(document["sweeps"][0].size(), 17u);
+    const auto& worst = document["checks"][0]["classes"]["false_hit"]["worst"];
+    EXPECT_EQ(worst.size(), 5u);
+    EXPECT_EQ(worst["ray"].size(), 4u);
+    EXPECT_EQ(worst["answer"].size(), 5u);
+    EXPECT_EQ(worst["verdict"].size(), 6u);
+}
+
 TEST(ResultsJson, reads_back_an_empty_run) {
     EXPECT_TRUE(results_from_json(to_json(Results{}), "test").checks.empty());
 }
@@ -195,6 +213,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Tampered{"version", "\"schema_version\": 1", "\"schema_version\": 2", "schema_version"},
         Tampered{"no_version", "\"schema_version\": 1,", "", "schema_version"},
+        Tampered{"unknown_record", "\"schema_version\": 1,", "\"schema_version\": 1, \"extra\": 2,",
+                 "extra"},
         Tampered{"missing_field", "\"commit\": \"abc123\",", "", "manifest.commit"},
         Tampered{"unknown_field", "\"dirty\":", "\"dirt\": 1, \"dirty\":", "dirt"},
         Tampered{"string_for_number", "\"ray_count\": 100", "\"ray_count\": \"100\"",
