@@ -70,13 +70,8 @@ TracerRecord make_tracer_record(const std::string& scene, const Tracer& tracer,
     record.is_oracle = info.is_oracle;
     record.is_twin = info.is_twin;
     record.threads = capabilities.threads;
-    for (const Stat& stat : tracer.stats()) {
-        if (stat.name == "shader_hash") {
-            record.shader_hash = stat.note;
-        } else {
-            record.stats.push_back(stat);
-        }
-    }
+    record.shader_hash = capabilities.shader_hash;
+    record.stats = tracer.stats();
     return record;
 }
 

@@ -24,8 +24,6 @@ uint32_t usable_cores();
 SceneRecord make_scene_record(const std::string& name, const LoadedScene& loaded);
 
 /// `given`: the parameters as the tracer was made with; defaults are added.
-///
-/// A stat named "shader_hash" is not a figure: its note becomes the record's shader_hash.
 TracerRecord make_tracer_record(const std::string& scene, const Tracer& tracer,
                                 const TracerInfo& info, const ParamValues& given);
 

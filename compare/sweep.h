@@ -14,7 +14,7 @@ namespace onepass {
 
 /// The parameters by which a grid strategy takes its densities (cells per primitive).
 inline constexpr char kObjectDensityParam[] = "density";
-inline constexpr char kTopDensityParam[] = "top-density";
+inline constexpr char kTopDensityParam[] = "top_density";
 
 struct SweepOptions {
     std::vector<double> object_densities;  ///< cells a triangle

@@ -32,7 +32,7 @@ std::vector<ParamInfo> two_level_texture_params() {
          fmt::format("{}", sizing.object.density),
          "cells per triangle of the object grids (lambda)",
          {}},
-        {"top-density",
+        {"top_density",
          Type::real,
          fmt::format("{}", sizing.top.density),
          "cells per instance of the top-level grid (lambda)",
@@ -42,10 +42,10 @@ std::vector<ParamInfo> two_level_texture_params() {
          "auto",
          "cells of every object grid, XxYxZ; overrides density",
          {}},
-        {"top-resolution",
+        {"top_resolution",
          Type::text,
          "auto",
-         "cells of the top-level grid, XxYxZ; overrides top-density",
+         "cells of the top-level grid, XxYxZ; overrides top_density",
          {}},
         {"address",
          Type::choice,
@@ -96,8 +96,8 @@ void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
     TwoLevelSizing sizing;
     sizing.object.density = positive(params, "density");
     sizing.object.resolution = parse_resolution(params, "resolution");
-    sizing.top.density = positive(params, "top-density");
-    sizing.top.resolution = parse_resolution(params, "top-resolution");
+    sizing.top.density = positive(params, "top_density");
+    sizing.top.resolution = parse_resolution(params, "top_resolution");
     const long atlas = params.integer("atlas");
     if (atlas < 16) {
         throw Error({"--param atlas", fmt::format("{}", atlas), "at least 16, one block",

@@ -153,7 +153,7 @@ CellAtlas make_atlas(const std::vector<const UniformGrid*>& grids, uint32_t limi
                      "x {} cells",
                      grids.size(), blocks_needed, kBlockCells, largest.x, largest.y, largest.z),
          fmt::format("a fit in {0} x {0} x {0} cells", limit),
-         "Lower --param density or top-density, or raise --param atlas."});
+         "Lower --param density or top_density, or raise --param atlas."});
 }
 
 // ---- Lists of references -----------------------------------------------------------------------

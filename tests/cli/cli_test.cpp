@@ -126,6 +126,52 @@ TEST(Render, refuses_a_scene_that_is_not_there) {
     expect_refused(folder, {"render", ".", "-o", "a.png"}, "directory");
 }
 
+TEST(Render, refuses_scene_files_that_are_broken) {
+    const TemporaryFolder folder;
+    const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+    folder.write("empty.obj", "");
+    folder.write("no_faces.obj", triangle);
+    folder.write("index.obj", triangle + "f 1 2 9\n");
+    folder.write("nan.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write("unknown.xyz", triangle);
+    ASSERT_EQ(onepass_in(folder, {"scenes", "export", "balls-1", "-o", "whole.glb"}).exit_code, 0);
+    const std::string whole = read_bytes(folder.path() / "whole.glb");
+    folder.write("cut.glb", whole.substr(0, whole.size() / 2));
+    folder.write("cut.gltf", R"({"asset": {"version": "2.0"}, "meshes": [{"prim)");
+    for (const char* file : {"empty.obj", "no_faces.obj", "index.obj", "nan.obj", "unknown.xyz",
+                             "cut.glb", "cut.gltf"}) {
+        expect_refused(folder, {"render", file, "-o", "a.png"}, file);
+    }
+}
+
+TEST(Render, refuses_a_scene_that_does_not_fit_the_textures) {
+    const TemporaryFolder folder;
+    expect_refused(folder,
+                   {"render", "instances", "-s", "paper", "--param", "resolution=64x64x64",
+                    "--param", "atlas=32", "-o", "a.png"},
+                   "atlas");
+}
+
+TEST(Render, gives_the_same_hits_through_osmesa_and_egl) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> both = {"osmesa", "egl"};
+    for (const std::string scene : {"balls-1", "instances"}) {
+        for (const std::string entry : {"fragment", "compute"}) {
+            std::vector<std::string> files;
+            for (const std::string& gl : both) {
+                const Outcome outcome =
+                    onepass_in(folder, {"--gl", gl, "render", scene, "-s",
+                                        "paper/texture2d/" + entry, "--size", "128x128", "--aov",
+                                        "t,u,v,prim_id,inst_id,cells,tests", "-o", gl + ".npy"});
+                ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+                files.push_back(read_bytes(folder.path() / (gl + ".npy")));
+            }
+            EXPECT_GT(files[0].size(), 128u * 128u * 28u);
+            EXPECT_TRUE(files[0] == files[1]) << scene << ", " << entry;
+        }
+    }
+}
+
 TEST(Render, refuses_bad_options_before_it_works) {
     const TemporaryFolder folder;
     const std::vector<std::string> render = {"render", "balls-1", "-s", "embree"};

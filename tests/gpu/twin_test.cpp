@@ -60,10 +60,10 @@ class TwinOnSoftware : public GlTest {
     }
 };
 
-TEST_F(TwinOnSoftware, hits_are_bit_identical_to_both_entries_on_every_generated_scene) {
+TEST_F(TwinOnSoftware, hits_are_bit_identical_to_both_entries_on_every_scene) {
     Catalogue catalogue = catalogue_of(context);
-    for (const NamedScene& named : kScenes) {
-        const ScenePtr scene = share(named.make());
+    for (const char* name : kScenes) {
+        const ScenePtr scene = load(name);
         std::vector<std::vector<Ray>> ray_sets = {primary_rays(*scene, 96, 96),
                                                   random_rays(scene_bounds(*scene), 20000, 7),
                                                   awkward_rays(*scene)};
@@ -78,11 +78,11 @@ TEST_F(TwinOnSoftware, hits_are_bit_identical_to_both_entries_on_every_generated
                 for (const std::vector<Ray>& rays : ray_sets) {
                     const CastResult gpu = cast(*tracer, rays, {.counters = true});
                     const CastResult cpu = cast(*twin, rays, {.counters = true});
-                    expect_same_bits(gpu.hits, cpu.hits, std::string(named.name) + " " + entry);
-                    EXPECT_EQ(gpu.flags, cpu.flags) << named.name << " " << entry;
-                    EXPECT_EQ(gpu.counters, cpu.counters) << named.name << " " << entry;
+                    expect_same_bits(gpu.hits, cpu.hits, std::string(name) + " " + entry);
+                    EXPECT_EQ(gpu.flags, cpu.flags) << name << " " << entry;
+                    EXPECT_EQ(gpu.counters, cpu.counters) << name << " " << entry;
                 }
-                EXPECT_GT(hit_count(cast(*tracer, ray_sets[0]).hits), 1000u) << named.name;
+                EXPECT_GT(hit_count(cast(*tracer, ray_sets[0]).hits), 1000u) << name;
             }
         }
     }
@@ -102,8 +102,8 @@ TEST_F(TwinOnSoftware, a_rendered_frame_has_the_hits_of_the_same_rays_cast) {
 
 TEST_F(TwinOnSoftware, frames_agree_with_the_twin_in_colour_and_counts) {
     Catalogue catalogue = catalogue_of(context);
-    for (const NamedScene& named : kScenes) {
-        const ScenePtr scene = share(named.make());
+    for (const char* name : kScenes) {
+        const ScenePtr scene = load(name);
         const RenderSettings settings{.width = 96, .height = 96};
         const Frame twin = catalogue.at("paper/texture2d/twin32")
                                .make(scene, {})
@@ -119,7 +119,7 @@ TEST_F(TwinOnSoftware, frames_agree_with_the_twin_in_colour_and_counts) {
                 const vec3 d = glm::abs(frame.color[i] - twin.color[i]);
                 if (std::max(d.x, std::max(d.y, d.z)) > kPowError) ++differing;
             }
-            EXPECT_LE(differing, 2u) << named.name << " " << entry;
+            EXPECT_LE(differing, 2u) << name << " " << entry;
         }
     }
 }
@@ -165,8 +165,8 @@ TEST(Twin, a_fetch_out_of_range_in_a_broken_shader_is_an_error) {
 
 TEST(Twin, shading_agrees_with_core_shading_on_the_same_hits) {
     const Catalogue catalogue = catalogue_of(nullptr);
-    for (const NamedScene& named : kScenes) {
-        const ScenePtr scene = share(named.make());
+    for (const char* name : kScenes) {
+        const ScenePtr scene = load(name);
         const auto twin = catalogue.at("paper/texture2d/twin32").make(scene, {});
         const RenderSettings settings{.width = 64, .height = 64};
         const Frame frame = twin->render(scene->cameras.front(), settings);
@@ -187,7 +187,7 @@ TEST(Twin, shading_agrees_with_core_shading_on_the_same_hits) {
             if (std::max(d.x, std::max(d.y, d.z)) > kRounding) ++differing;
             EXPECT_EQ(path.primary, frame.hits[i]);
         }
-        EXPECT_LE(differing, rays.size() / 500) << named.name;
+        EXPECT_LE(differing, rays.size() / 500) << name;
     }
 }
 

@@ -117,7 +117,7 @@ TracerRecord sample_tracer(const std::string& scene, const std::string& name) {
     tracer.device = tracer.is_oracle ? "Embree 3.13.5" : "llvmpipe (LLVM 15.0.6, 256 bits)";
     tracer.threads = tracer.is_oracle ? 1 : 0;
     if (!tracer.is_oracle) {
-        tracer.params = {{"edge_tolerance", "1.004"}, {"density", "5"}, {"top-density", "1.2"}};
+        tracer.params = {{"edge_tolerance", "1.004"}, {"density", "5"}, {"top_density", "1.2"}};
         tracer.shader_hash = "5be0cd19137e2179";
         tracer.stats = {{"cells", 352000, ""},
                         {"references", 240512, "entries of all cells' lists"},

@@ -304,7 +304,8 @@ TEST(Manifest, reads_the_cpu_model) {
 
 TEST(TracerRecord, records_defaults_and_the_shader_hash) {
     FakeTracer tracer("paper/x/y");
-    tracer.figures = {{"cells", 8.0, ""}, {"shader_hash", 0.0, "beef"}};
+    tracer.figures = {{"cells", 8.0, ""}};
+    tracer.abilities.shader_hash = "beef";
     TracerInfo info;
     info.name = tracer.name();
     info.params = {{"density", ParamInfo::Type::real, "5", "", {}},

@@ -105,7 +105,7 @@ CatalogueEntry grid_strategy() {
     CatalogueEntry entry;
     entry.info.name = "grid";
     entry.info.params = {{"density", ParamInfo::Type::real, "5", "cells a triangle", {}},
-                         {"top-density", ParamInfo::Type::real, "1.2", "cells an instance", {}}};
+                         {"top_density", ParamInfo::Type::real, "1.2", "cells an instance", {}}};
     entry.make = [](ScenePtr, const ParamValues& params) {
         const double density = std::stod(params.at("density"));
         if (density > 16.0) {
