@@ -29,7 +29,9 @@ struct ImageTolerance {
         "a pixel may differ by one 8-bit step (1/255 of a linear channel); 0.5 % of the pixels may "
         "differ by more: hits of class edge or tie at a silhouette take another surface's colour, "
         "and secondary rays that start from points a few ulps apart fall on different sides of a "
-        "shadow's or a mirrored object's outline, which is one pixel wide";
+        "shadow's or a mirrored object's outline, which is one pixel wide; the paper's own edge "
+        "slack "
+        "has to fit in as well";
 };
 
 /// Compares colours pixel by pixel and channel by channel. A difference that is NaN or infinite

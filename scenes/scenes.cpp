@@ -33,7 +33,7 @@ std::filesystem::path find_mesh(const MeshFile& mesh) {
     }
     throw Error({mesh.name, "no such file in " + tried,
                  fmt::format("the mesh of Debian's package {}", mesh.package),
-                 fmt::format("Run `./dev report` once, or `apt-get install {}`.", mesh.package)});
+                 fmt::format("Run `./dev meshes all`, or `apt-get install {}`.", mesh.package)});
 }
 
 /// The views of the published figures: 0.75 diagonals from the centre, 45 degrees.

@@ -8,6 +8,7 @@
 #include "compare/image_io.h"
 #include "compare/manifest.h"
 #include "core/error.h"
+#include "core/io/load.h"
 #include "scenes/scenes.h"
 
 namespace onepass::cli {
@@ -29,11 +30,9 @@ Rows program_rows(const Session& session) {
                                 ? image_io_description()
                                 : "not built in: AOVs are written as .npy. Remedy: build with "
                                   "ONEPASS_WITH_OPENIMAGEIO=ON"},
-#ifdef ONEPASS_WITH_ASSIMP
-            {"mesh files", "glTF, and OBJ, PLY, STL and others through Assimp"}};
-#else
-            {"mesh files", "glTF only. Remedy: build with ONEPASS_WITH_ASSIMP=ON"}};
-#endif
+            {"mesh files", mesh_files_supported()
+                               ? "glTF, and OBJ, PLY, STL and others through Assimp"
+                               : "glTF only. Remedy: build with ONEPASS_WITH_ASSIMP=ON"}};
 }
 
 Rows context_rows(const std::vector<gl::GlProbe>& probes) {

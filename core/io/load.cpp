@@ -114,4 +114,12 @@ LoadedScene load_scene_file(const std::filesystem::path& path) {
     return loaded;
 }
 
+bool mesh_files_supported() {
+#ifdef ONEPASS_WITH_ASSIMP
+    return true;
+#else
+    return false;
+#endif
+}
+
 }  // namespace onepass

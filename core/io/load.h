@@ -36,4 +36,7 @@ void supply_missing(LoadedScene& loaded);
 /// Throws: Error if the path cannot be written.
 void write_gltf(const Scene& scene, const std::filesystem::path& path);
 
+/// Whether this build reads mesh files other than glTF (built with Assimp).
+bool mesh_files_supported();
+
 }  // namespace onepass
