@@ -391,8 +391,10 @@ TwoLevelTextures pack_with_width(const Scene& scene, const TwoLevelGrid& grid, A
         {"triangle_bytes", static_cast<double>(triangles.bytes()), "four planes each"},
         {"address_bits", half ? 16.0 : 32.0, "width of a texture address"},
     };
-    packed.inputs.textures = {std::move(cells), std::move(references), std::move(triangles),
-                              std::move(instances), std::move(grid_records)};
+    // Not an initializer list: that would copy them.
+    for (TextureData* texture : {&cells, &references, &triangles, &instances, &grid_records}) {
+        packed.inputs.textures.push_back(std::move(*texture));
+    }
     return packed;
 }
 
