@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <string>
 #include <variant>
 #include <vector>
@@ -38,7 +39,9 @@ struct UniformData {
 };
 
 struct ShaderInputs {
-    std::vector<TextureData> textures;
+    /// A deque, because growing a vector would copy the texels: GLM's vectors, and so TextureData,
+    /// are not nothrow-movable here.
+    std::deque<TextureData> textures;
     std::vector<UniformData> uniforms;
 
     /// Adds all of another's.
