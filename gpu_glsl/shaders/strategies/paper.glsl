@@ -18,7 +18,7 @@
 // grid over its triangles. A ray walks the first; in each cell it meets instances; for each of those
 // it is taken to object space and walks the second; in each cell it meets triangles.
 //
-// Numbers D1 to D14 refer to the deviation table of gpu_glsl/README.md: where the printed text cannot
+// Numbers D1 to D17 refer to the deviation table of gpu_glsl/README.md: where the printed text cannot
 // run, what stands here instead, and which of its behaviours are kept behind a switch.
 #pragma once
 #include "lib/math.glsl"
