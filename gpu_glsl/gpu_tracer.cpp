@@ -52,10 +52,6 @@ constexpr size_t kMaxChunkRays = size_t{1} << 22;
 /// Width of the textures that rays and hits lie in.
 constexpr uint32_t kRayTextureWidth = 1024;
 
-/// Invocations of a work group: local_size of entry/cast_compute.glsl, and of entry/compute.glsl.
-constexpr uint32_t kCastGroup = 64;
-constexpr uvec2 kPixelGroup(32, 4);
-
 gl::TexelFormat texel_format(const TextureData& texture) {
     const bool half = texture.format == ChannelFormat::half;
     switch (texture.channels) {
@@ -294,7 +290,8 @@ class GpuTracer final : public Tracer {
 
         // Groups in two dimensions: one dimension holds at least 65,535.
         constexpr size_t kMaxGroupsX = 65535;
-        const size_t groups = (chunk.count + kCastGroup - 1) / kCastGroup;
+        const size_t group_size = program.work_group_size().x;
+        const size_t groups = (chunk.count + group_size - 1) / group_size;
         const size_t groups_x = std::min(groups, kMaxGroupsX);
         const size_t groups_y = (groups + groups_x - 1) / groups_x;
         add_time(gl::finish_and_time(context_,
@@ -345,8 +342,9 @@ class GpuTracer final : public Tracer {
         const gl::Buffer pixel_buffer("pixels", pixels * sizeof(PixelRecord));
         program.set_buffer("PixelBuffer", pixel_buffer);
         program.set_uniform("image_size", glm::ivec2(settings.width, settings.height));
+        const uvec2 group_size(program.work_group_size());
         const uvec2 groups =
-            (uvec2(settings.width, settings.height) + kPixelGroup - uvec2(1)) / kPixelGroup;
+            (uvec2(settings.width, settings.height) + group_size - uvec2(1)) / group_size;
         const gl::LaunchTime time =
             gl::finish_and_time(context_, [&] { gl::dispatch(program, uvec3(groups, 1)); });
         frame.wall_ms = time.wall_ms;

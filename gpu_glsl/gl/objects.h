@@ -251,6 +251,9 @@ class Program {
     };
     std::map<std::string, Member> block_members() const;
 
+    /// Invocations of a work group, as the compute shader declares them.
+    glm::uvec3 work_group_size() const;
+
   private:
     struct Uniform {
         GLint location = -1;

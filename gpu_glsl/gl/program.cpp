@@ -337,6 +337,13 @@ void Program::use() const {
     }
 }
 
+glm::uvec3 Program::work_group_size() const {
+    GLint size[3] = {};
+    glGetProgramiv(id(), GL_COMPUTE_WORK_GROUP_SIZE, size);
+    check_gl("reading the work group size of " + name_);
+    return glm::uvec3(size[0], size[1], size[2]);
+}
+
 std::map<std::string, Program::Member> Program::block_members() const {
     std::map<std::string, Member> members;
     if (!GLAD_GL_VERSION_4_3) return members;

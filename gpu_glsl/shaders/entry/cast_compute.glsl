@@ -19,7 +19,8 @@ UNIFORM(int, ray_count)
 
 void main() {
     // Groups are laid out in two dimensions, because one holds at most 65,535 of them.
-    int index = int((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * 64u +
+    int index = int((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) *
+                        gl_WorkGroupSize.x +
                     gl_LocalInvocationID.x);
     if (index >= ray_count) return;
     RayRecord record = rays[index];
