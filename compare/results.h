@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/judge.h"
@@ -94,6 +95,13 @@ struct CheckRecord {
     bool passed = false;
     std::string picture;  ///< PNG of the per-ray classes; as ImageRecord::pictures; or empty
 
+    /// The wrong rays, counted by the deviation that each disappears without; see attribution.h.
+    struct Attribution {
+        bool asked = false;  ///< false: not looked into, and the rest is empty
+        std::vector<std::pair<std::string, uint64_t>> by_deviation;  ///< id, rays; declared order
+        uint64_t unattributed = 0;
+    } attribution;
+
     uint64_t errors() const;  ///< false_miss + false_hit + wrong_surface + t_error
 };
 
@@ -140,6 +148,67 @@ struct TimingRecord {
     uint64_t edges = 0;   ///< its `edge` count
 };
 
+/// Rendered frames, timed: all rays of an image, as the paper's frame rates count.
+struct FrameTimingRecord {
+    std::string scene;
+    std::string tracer;
+    std::string oracle;  ///< what the ratio is to; its own record names itself
+    uint32_t width = 0;
+    uint32_t height = 0;
+    uint32_t frames = 0;        ///< different frames of an animation; 1 for a still image
+    uint64_t primary_rays = 0;  ///< of one frame (of an animation: the mean)
+    uint64_t secondary_rays =
+        0;  ///< shadow and reflection rays of one frame, by the tracer's count
+    std::vector<double> wall_ms;         ///< one a frame rendered: the tracing alone
+    std::vector<double> device_ms;       ///< empty where the device has no timer to trust
+    std::vector<double> update_ms;       ///< of an animation: rebuilding the top level; else empty
+    std::vector<double> upload_ms;       ///< of an animation; else empty
+    std::vector<double> oracle_wall_ms;  ///< of the same rounds
+    std::vector<Stat> costs;             ///< Frame::costs of the last frame
+    double median_ms = 0.0;
+    double frames_per_s = 0.0;
+    double ratio = 0.0;  ///< as in TimingRecord
+    double ratio_low = 0.0;
+    double ratio_high = 0.0;
+    uint64_t differing_pixels = 0;  ///< of the oracle's image, as ImageRecord; of all frames
+    uint64_t compared_pixels = 0;   ///< of all frames
+};
+
+/// One comparison of two settings that a claim rests on: all else is equal, and so is the run.
+struct ClaimMeasurement {
+    std::string scene;
+    std::string work;      ///< the ray kind, "image" or "build"
+    std::string quantity;  ///< "time", "bytes", "bandwidth", ...
+    std::string unit;      ///< of the samples: "ms", "MiB", ...
+    std::string baseline;  ///< tracer and setting, as the page names them
+    std::string variant;
+    std::vector<double> baseline_samples;  ///< in run order; what is not measured but counted: one
+    std::vector<double> variant_samples;   ///< of the same rounds
+    double ratio = 0.0;                    ///< variant / baseline, median
+    double ratio_low = 0.0;  ///< 95 % bootstrap interval; equal to the ratio for what is counted
+    double ratio_high = 0.0;
+    uint64_t rays = 0;             ///< cast by each side
+    uint64_t baseline_errors = 0;  ///< CheckRecord::errors() of that setting on these rays
+    uint64_t variant_errors = 0;
+    std::string failure;  ///< why a side could not run; else empty
+};
+
+enum class ClaimVerdict { holds, fails, depends, not_measured };
+std::string_view to_string(ClaimVerdict verdict);
+
+/// A claim of the paper, and what is left of it.
+struct ClaimRecord {
+    std::string id;       ///< "single-pass"
+    std::string claim;    ///< in our words
+    std::string source;   ///< where the paper says it
+    std::string then;     ///< the paper's figure, or that it gives none
+    std::string rule;     ///< how the verdict follows from the measurements
+    std::string now;      ///< made from the measurements
+    std::string command;  ///< repeats this experiment alone
+    ClaimVerdict verdict = ClaimVerdict::not_measured;
+    std::vector<ClaimMeasurement> measurements;
+};
+
 /// One grid size of a sweep.
 struct SweepPoint {
     std::string scene;
@@ -162,13 +231,15 @@ struct SweepPoint {
 };
 
 struct Results {
-    static constexpr int kSchemaVersion = 1;
+    static constexpr int kSchemaVersion = 2;
     Manifest manifest;
     std::vector<SceneRecord> scenes;
     std::vector<TracerRecord> tracers;
     std::vector<CheckRecord> checks;
     std::vector<ImageRecord> images;
     std::vector<TimingRecord> timings;
+    std::vector<FrameTimingRecord> frame_timings;
+    std::vector<ClaimRecord> claims;
     std::vector<SweepPoint> sweeps;
 };
 

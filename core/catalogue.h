@@ -13,13 +13,23 @@ namespace onepass {
 
 using ScenePtr = std::shared_ptr<const Scene>;
 
+/// A place where a strategy departs from its source, or keeps a behaviour of it that costs
+/// accuracy, behind a switch.
+struct Deviation {
+    std::string id;       ///< "D11"; unique within a strategy
+    std::string param;    ///< the parameter that switches it off ...
+    std::string value;    ///< ... by this value
+    std::string summary;  ///< one line
+};
+
 struct TracerInfo {
     std::string name;     ///< strategy/storage/entry
     std::string summary;  ///< one line
     std::string source;   ///< paper, figure
     std::vector<ParamInfo> params;
-    bool is_oracle = false;  ///< an Embree tracer
-    bool is_twin = false;    ///< a shader's text run as C++
+    std::vector<Deviation> deviations;  ///< in the order in which errors are attributed to them
+    bool is_oracle = false;             ///< an Embree tracer
+    bool is_twin = false;               ///< a shader's text run as C++
 };
 
 struct CatalogueEntry {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/affine.h"
+#include "core/animation.h"
 #include "core/bounds.h"
 #include "core/types.h"
 
@@ -79,11 +80,20 @@ struct Scene {
     std::vector<Material> materials;
     std::vector<PointLight> lights;
     std::vector<Camera> cameras;
+    Animation animation;    ///< of the instances' transforms; empty: nothing moves
     vec3 background{0.0f};  ///< colour of a ray that misses
     vec3 ambient{0.0f};     ///< light that reaches every surface, multiplied by `diffuse`
 
     bool operator==(const Scene&) const = default;
 };
+
+/// The scene as one object in one instance, its triangles in world space: instance by instance,
+/// each in the object's order. Nothing moves any more. `prim_id` then counts through the instances.
+/// Cost: memory of instanced_triangle_count().
+Scene flattened(const Scene& scene);
+
+/// The scene with an object of its own for every instance: what instancing saves.
+Scene unshared(const Scene& scene);
 
 /// Triangles counted once an instance, as the paper counts them.
 uint64_t instanced_triangle_count(const Scene& scene);

@@ -17,6 +17,15 @@ namespace onepass {
 /// Which hit a ray asks for. `any`: some hit in [tmin, tmax]; which one is not specified.
 enum class Query { closest, any };
 
+/// One measured or computed property of a tracer's structure, or of one run.
+struct Stat {
+    std::string name;  ///< with its unit: "build_ms", "grid_bytes"
+    double value = 0.0;
+    std::string note;  ///< how to read it; may be empty
+
+    bool operator==(const Stat&) const = default;
+};
+
 /// Rays that rest where a tracer runs. Opaque; valid only for the tracer that made it.
 struct RayBatch {
     size_t count = 0;
@@ -34,6 +43,13 @@ struct CastResult {
     std::vector<RayCounters> counters;  ///< one a ray if asked for, else empty
     double device_ms = 0.0;             ///< by the device's own timer; NaN if it has none to trust
     double wall_ms = 0.0;               ///< from launch to finish, without upload and read-back
+    std::vector<Stat> costs;            ///< what the strategy says of this run: "passes", ...
+};
+
+/// What moving the instances took.
+struct UpdateTimes {
+    double update_ms = 0.0;  ///< rebuilding and packing the top level; wall time
+    double upload_ms = 0.0;  ///< bringing what changed to the device; 0 where there is no device
 };
 
 /// One image with its arbitrary output values (AOVs). Row-major, row 0 at the top.
@@ -47,13 +63,7 @@ struct Frame {
     std::vector<uint32_t> flags;        ///< RayFlag bits, one a pixel
     double device_ms = 0.0;             ///< as in CastResult
     double wall_ms = 0.0;               ///< as in CastResult
-};
-
-/// One measured or computed property of a tracer's structure.
-struct Stat {
-    std::string name;  ///< with its unit: "build_ms", "grid_bytes"
-    double value = 0.0;
-    std::string note;  ///< how to read it; may be empty
+    std::vector<Stat> costs;            ///< as in CastResult
 };
 
 struct Capabilities {
@@ -81,6 +91,15 @@ class Tracer {
 
     /// Answers every ray of the batch. Never throws for a ray's values: a NaN ray is a miss.
     virtual CastResult cast(const RayBatch& batch, const CastOptions& options = {}) = 0;
+
+    /// Moves the instances: from now on the scene is the one with these transforms. Only the
+    /// top level is rebuilt; what was built for the objects stays (stats() counts both).
+    ///
+    /// One transform an instance. The tracer must have been made from a scene with an animation:
+    /// others need not keep what an update takes.
+    /// Throws: Error if it was not, or if the moved scene exceeds the strategy's limits; the tracer
+    /// then goes on with the transforms it had.
+    virtual UpdateTimes update(std::span<const Affine> world_from_object) = 0;
 
     /// The whole image: primary, shadow and reflection rays. One draw or dispatch if the strategy
     /// is a single-pass one.

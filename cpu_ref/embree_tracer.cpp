@@ -139,6 +139,10 @@ class EmbreeTracer final : public Tracer {
         return result;
     }
 
+    UpdateTimes update(std::span<const Affine>) override {
+        throw Error({name_, "an update", "a tracer that moves instances", "Make a new tracer."});
+    }
+
     Frame render(const Camera& camera, const RenderSettings& settings) override {
         const CameraFrame view = camera_frame(camera, settings.width, settings.height);
         const size_t pixels = size_t{settings.width} * settings.height;

@@ -25,7 +25,8 @@ TracerInfo tracer_info(const gl::StrategyInfo& info, const std::string& storage,
     return {.name = tracer_name(info, storage, entry),
             .summary = info.summary + ", " + how,
             .source = info.source,
-            .params = strategy_params(info, storage)};
+            .params = strategy_params(info, storage),
+            .deviations = {}};
 }
 
 TextureLimits limits_of(const gl::GlContext& context) {

@@ -165,6 +165,10 @@ class GpuTracer final : public Tracer {
         return result;
     }
 
+    UpdateTimes update(std::span<const Affine>) override {
+        throw Error({name_, "an update", "a tracer that moves instances", "Make a new tracer."});
+    }
+
     Frame render(const Camera& camera, const RenderSettings& settings) override {
         Frame frame;
         frame.width = settings.width;

@@ -9,6 +9,7 @@
 #include <tbb/task_arena.h>
 
 #include "core/camera.h"
+#include "core/error.h"
 
 namespace onepass {
 namespace {
@@ -75,6 +76,10 @@ class TwinTracer final : public Tracer {
         result.wall_ms = ms_since(start);
         result.device_ms = std::numeric_limits<double>::quiet_NaN();
         return result;
+    }
+
+    UpdateTimes update(std::span<const Affine>) override {
+        throw Error({name_, "an update", "a tracer that moves instances", "Make a new tracer."});
     }
 
     Frame render(const Camera& camera, const RenderSettings& settings) override {

@@ -23,6 +23,8 @@ class FakeTracer final : public Tracer {
     std::vector<std::string>* log = nullptr;
     Capabilities abilities;
     std::vector<Stat> figures;
+    UpdateTimes update_times;
+    std::vector<Affine> moved;  ///< the transforms of the last update
     RayCounters cost{.cells = 3, .tests = 2, .references = 4, .rays = 1};
 
     const std::string& name() const override { return name_; }
@@ -43,6 +45,10 @@ class FakeTracer final : public Tracer {
         result.wall_ms = cast_ms;
         result.device_ms = std::numeric_limits<double>::quiet_NaN();
         return result;
+    }
+    UpdateTimes update(std::span<const Affine> world_from_object) override {
+        moved.assign(world_from_object.begin(), world_from_object.end());
+        return update_times;
     }
     Frame render(const Camera&, const RenderSettings& settings) override {
         Frame frame;

@@ -1,0 +1,36 @@
+// The object level (Adinetz & Berezin, section 4): two nested loops, over cells and over triangles.
+//
+// Includes no triangle test: the strategy chooses one, lib/paper/triangle.glsl or its own, first.
+#pragma once
+#include "lib/paper/walk.glsl"
+
+CONSTANT(int, clip_to_cell)
+
+// Finds the nearest hit of one instance in [t_start, t_stop], if it is nearer than `hit`.
+void intersect_instance(vec2 address, Ray ray, float t_start, float t_stop, INOUT(Hit) hit) {
+    Instance instance = fetch_instance(address);
+    vec3 org = vec3(plane_at(instance.row0, ray.org), plane_at(instance.row1, ray.org),
+                    plane_at(instance.row2, ray.org));
+    vec3 dir = vec3(plane_along(instance.row0, ray.dir), plane_along(instance.row1, ray.dir),
+                    plane_along(instance.row2, ray.dir));
+    Grid grid = fetch_grid(instance.grid);
+    Walk walk = begin_walk(grid, org, dir, t_start, t_stop);
+    if (missed(walk, grid)) return;
+
+    bool done = false;
+    for (int steps = 0; steps < grid.step_budget; ++steps) {
+        CellList list = list_of_cell(walk);
+        float t_first = clip_to_cell == 1 ? walk.t_start : t_start;
+        float t_last = clip_to_cell == 1 ? walk.t_end : t_stop;
+        int k = 0;
+        for (; k < list.count; ++k) {
+            intersect_triangle(fetch_reference(list.address), org, dir, t_first, t_last,
+                               instance.inst_id, grid.first_triangle, hit);
+            list.address = next_reference(list.address);
+        }
+        if (k < list.count) break;  // the driver ended the loop: `done` stays false
+        done = hit.t <= walk.t_end || !next_voxel(grid, walk);
+        if (done) break;
+    }
+    if (!done) ray_flags |= kFlagExhausted;
+}
