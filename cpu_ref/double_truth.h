@@ -1,46 +1,15 @@
-// What a ray hits, in double precision: the arithmetic under the double judge.
+// What a ray hits, in double precision: fast, and off by no more than some roundings of 2^-53.
 //
-// Sees candidates only; knows nothing of answers, classes or moved rays.
+// The judge asks it about moved rays, of which there are many; the truth about the given ray itself
+// is exact (exact_truth.h). Sees candidates only; knows nothing of answers or classes.
 #pragma once
 
-#include <array>
 #include <optional>
-#include <vector>
 
 #include "cpu_ref/candidates.h"
+#include "cpu_ref/truth.h"
 
 namespace onepass {
-
-/// A triangle's corners in the world. Equal corners of neighbours are equal in every bit.
-using WorldTriangle = std::array<dvec3, 3>;
-
-/// Where a ray's line crosses a triangle, as far as double can tell.
-struct Crossing {
-    double t = 0.0;
-    double t_tolerance = 0.0;  ///< bound of the rounding in t; grows as the triangle turns edge-on
-    bool touch = false;        ///< outside, but by less than rounding: may count or not
-};
-
-/// A triangle hit by a ray.
-struct Surface {
-    uint32_t inst_id = kNoId;
-    uint32_t prim_id = kNoId;
-    Crossing crossing;
-    bool optional = false;  ///< a touch, or t equals tmin or tmax: may count or not
-};
-
-/// All that is right to answer to one ray.
-struct Truth {
-    /// Nearest at an inclusive interval, touches left out; of equal distances the lowest inst_id,
-    /// then prim_id.
-    std::optional<Surface> nearest;
-    /// Every surface whose answer is right: `nearest`, those as near as it, and optional ones.
-    std::vector<Surface> right;
-    /// No surface lies inside the interval beyond doubt.
-    bool miss_is_right = true;
-
-    const Surface* find(uint32_t inst_id, uint32_t prim_id) const;
-};
 
 /// Positions nearer than this many roundings (of 2^-53) of the largest coordinate involved are one:
 /// three times the longest chain of operations from corners to a crossing. A thousand million times

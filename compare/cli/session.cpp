@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include "compare/manifest.h"
-#include "cpu_ref/double_judge.h"
+#include "cpu_ref/exact_judge.h"
 #include "cpu_ref/embree_tracer.h"
 #include "gpu_glsl/glsl_tracers.h"
 #include "scenes/scenes.h"
@@ -55,7 +55,7 @@ Court open_court(const Session& session, const std::string& name_or_path) {
     Court court;
     court.open = open_scene(name_or_path);
     court.oracle = session.catalogue.at(kOracleName).make(court.open.scene, {});
-    court.judge = make_double_judge(court.open.scene);
+    court.judge = make_exact_judge(court.open.scene);
     return court;
 }
 

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_ref/double_truth.h"
+#include "cpu_ref/exact_truth.h"
 #include "tests/unit/cpu_ref/meshes.h"
 
 namespace onepass {
@@ -23,17 +23,18 @@ std::set<Ids> candidates_of(const CandidateSearch& search, const SpreadRay& ray)
     return ids;
 }
 
-/// Every triangle that the double intersection hits must have been a candidate. Returns the hits.
-size_t expect_all_hits_found(const DoubleTruth& truth, const SpreadRay& search_ray,
+/// Every triangle that the exact intersection hits must have been a candidate. Returns the hits.
+size_t expect_all_hits_found(const CandidateSearch& candidates, const SpreadRay& search_ray,
                              const SpreadRay& hit_ray) {
-    const std::set<Ids> found = candidates_of(truth.candidates(), search_ray);
-    const Scene& scene = truth.scene();
+    const std::set<Ids> found = candidates_of(candidates, search_ray);
+    const ExactTruth truth(candidates);
+    const Scene& scene = candidates.scene();
     size_t hits = 0;
     for (uint32_t inst_id = 0; inst_id < scene.instances.size(); ++inst_id) {
         const Object& object = scene.objects[scene.instances[inst_id].object];
         for (uint32_t prim_id = 0; prim_id < object.triangles.size(); ++prim_id) {
-            const std::optional<Crossing> c = truth.crossing(hit_ray, inst_id, prim_id);
-            if (!c || c->touch || c->t < hit_ray.tmin || c->t > hit_ray.tmax) continue;
+            const std::optional<ExactHit> c = truth.crossing(hit_ray, inst_id, prim_id);
+            if (!c || c->t.upper < hit_ray.tmin || c->t.lower > hit_ray.tmax) continue;
             ++hits;
             EXPECT_TRUE(found.contains({inst_id, prim_id}))
                 << "triangle " << prim_id << " of instance " << inst_id << " lost";
@@ -45,13 +46,13 @@ size_t expect_all_hits_found(const DoubleTruth& truth, const SpreadRay& search_r
 TEST(Candidates, no_hit_of_a_random_or_edge_aimed_ray_is_lost) {
     for (const ScenePtr& scene :
          {one_object(make_sphere(32, 24, 1.0f, vec3(100, -50, 3))), instanced_spheres()}) {
-        const DoubleTruth truth(scene);
+        const CandidateSearch candidates(scene);
         size_t hits = 0;
         for (const Ray& ray : random_rays(*scene, 300, 1)) {
-            hits += expect_all_hits_found(truth, exact_ray(ray), exact_ray(ray));
+            hits += expect_all_hits_found(candidates, exact_ray(ray), exact_ray(ray));
         }
         for (const Ray& ray : edge_rays(*scene, 300, 2)) {
-            hits += expect_all_hits_found(truth, exact_ray(ray), exact_ray(ray));
+            hits += expect_all_hits_found(candidates, exact_ray(ray), exact_ray(ray));
         }
         EXPECT_GT(hits, 600u);
     }
@@ -61,12 +62,12 @@ TEST(Candidates, no_hit_of_an_axis_parallel_ray_in_the_plane_of_a_box_side_is_lo
     Object squares;
     for (int i = -8; i <= 8; ++i) add_square(squares, 1.0f, 0.25f * static_cast<float>(i));
     const auto scene = one_object(squares);
-    const DoubleTruth truth(scene);
+    const CandidateSearch candidates(scene);
     size_t hits = 0;
     for (const float x : {-1.0f, 0.0f, 1.0f}) {
         for (const float y : {-1.0f, -0.0f, 0.3f, 1.0f}) {
             const Ray ray{.org = {x, y, 5}, .dir = {0, -0.0f, -1}};
-            hits += expect_all_hits_found(truth, exact_ray(ray), exact_ray(ray));
+            hits += expect_all_hits_found(candidates, exact_ray(ray), exact_ray(ray));
         }
     }
     EXPECT_GE(hits, 12u * 17u);
@@ -74,7 +75,7 @@ TEST(Candidates, no_hit_of_an_axis_parallel_ray_in_the_plane_of_a_box_side_is_lo
 
 TEST(Candidates, hits_of_every_ray_within_the_reach_are_candidates_of_the_ray) {
     const auto scene = instanced_spheres();
-    const DoubleTruth truth(scene);
+    const CandidateSearch candidates(scene);
     Random random(3);
     size_t hits = 0;
     // Wide enough to change what is hit: by the origin alone, by the direction alone, by both.
@@ -90,7 +91,7 @@ TEST(Candidates, hits_of_every_ray_within_the_reach_are_candidates_of_the_ray) {
             moved.org[k] += spread.org_reach * (random.unit() < 0.5f ? -1.0 : 1.0);
             moved.dir[k] += spread.dir_reach * (random.unit() < 0.5f ? -1.0 : 1.0);
         }
-        hits += expect_all_hits_found(truth, spread, moved);
+        hits += expect_all_hits_found(candidates, spread, moved);
     }
     EXPECT_GT(hits, 900u);
 }

@@ -10,8 +10,8 @@
 #include <tbb/info.h>
 
 #include "core/error.h"
-#include "cpu_ref/double_judge.h"
 #include "cpu_ref/embree_scene.h"
+#include "cpu_ref/exact_judge.h"
 #include "tests/unit/cpu_ref/meshes.h"
 
 namespace onepass {
@@ -305,7 +305,7 @@ TEST(EmbreeTracer, stats_hold_the_build_and_its_memory) {
 
 TEST(EmbreeTracer, fast_and_robust_err_at_edges_only) {
     const auto scene = one_object(make_sphere(48, 32, 1.0f, vec3(0)));
-    const auto judge = make_double_judge(scene);
+    const auto judge = make_exact_judge(scene);
     const auto robust = make("embree/robust/threads", scene);
     const auto fast = make("embree/fast/threads", scene);
     const std::vector<Ray> rays = random_rays(*scene, 20000, 6);

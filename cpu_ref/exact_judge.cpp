@@ -1,15 +1,18 @@
-// The judge in double: classes by core/judge.h, `edge` by a search for a witness.
+// The exact judge: classes by core/judge.h, `edge` by a search for a witness.
 //
-// A witness is a moved ray of E_ray for which the answer is right, by the same double truth as for
-// the given ray. The search tries a bounded set of moves, smallest first. What it does not find it
-// does not forgive: errors can be reported too often, never hidden.
-#include "cpu_ref/double_judge.h"
+// The truth about the given ray is exact. A witness is a moved ray of E_ray for which the answer is
+// right by the double truth: many are tried, and some must pass exactly through a corner, which a
+// ray of doubles cannot; the tolerance of some roundings of double stands for the real ray beside
+// it. The search tries a bounded set of moves, smallest first. What it does not find it does not
+// forgive: errors can be reported too often, never hidden.
+#include "cpu_ref/exact_judge.h"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "cpu_ref/double_truth.h"
+#include "cpu_ref/exact_truth.h"
 
 namespace onepass {
 
@@ -206,11 +209,12 @@ enum class Grade { agree, tie, wrong_t, wrong };
 /// Judges the answers to one ray.
 class RayJudge {
   public:
-    RayJudge(const DoubleTruth& arithmetic, const Ray& ray, Query query)
-        : arithmetic_(arithmetic),
-          ray_(e_ray(ray, arithmetic.candidates().magnitude())),
+    RayJudge(const ExactTruth& exact, const DoubleTruth& moved_truth, const Ray& ray, Query query)
+        : exact_(exact),
+          moved_truth_(moved_truth),
+          ray_(e_ray(ray, moved_truth.candidates().magnitude())),
           query_(query),
-          truth_(arithmetic.find(ray_)) {}
+          truth_(exact.find(ray_)) {}
 
     Verdict judge(const Hit& answer) {
         Verdict verdict;
@@ -246,7 +250,7 @@ class RayJudge {
             if (truth.nearest) return Grade::agree;
             return truth.right.empty() ? Grade::wrong : Grade::tie;
         }
-        if (!names_triangle(arithmetic_.scene(), answer)) return Grade::wrong;
+        if (!names_triangle(moved_truth_.scene(), answer)) return Grade::wrong;
         const Surface* surface = truth.find(answer.inst_id, answer.prim_id);
         if (surface == nullptr) return Grade::wrong;
         const Crossing& crossing = surface->crossing;
@@ -260,7 +264,7 @@ class RayJudge {
     }
 
     bool is_right(const SpreadRay& ray, const Hit& answer) const {
-        const Grade g = grade(arithmetic_.find(ray), ray, answer);
+        const Grade g = grade(moved_truth_.find(ray), ray, answer);
         return g == Grade::agree || g == Grade::tie;
     }
 
@@ -281,14 +285,14 @@ class RayJudge {
         findings.note(grade(truth_, ray_, answer), truth_);
         if (answer.is_hit() && query_ == Query::closest) {
             // The interval is not moved, so an answer outside of it is right for no ray.
-            if (!names_triangle(arithmetic_.scene(), answer)) return findings;
+            if (!names_triangle(moved_truth_.scene(), answer)) return findings;
             if (!(answer.t >= ray_.tmin && answer.t <= ray_.tmax)) return findings;
             findings.witness_size = size_at_t(Move{}, answer);
         }
         for (const Move& move : moves_for(answer)) {
             if (findings.witness_size <= 1.0) break;
             const SpreadRay ray = moved(ray_, move);
-            const Truth truth = arithmetic_.find(ray);
+            const Truth truth = moved_truth_.find(ray);
             const Grade grade = this->grade(truth, ray, answer);
             findings.note(grade, truth);
             if (grade == Grade::agree || grade == Grade::tie) findings.witness_size = move.size;
@@ -300,7 +304,7 @@ class RayJudge {
     /// Moves on along the normal of the answered triangle until its plane is met near enough to the
     /// answered t; the whole move's size if the answer is right there, else +inf.
     double size_at_t(const Move& move, const Hit& answer) const {
-        const WorldTriangle triangle = arithmetic_.triangle(answer.inst_id, answer.prim_id);
+        const WorldTriangle triangle = moved_truth_.triangle(answer.inst_id, answer.prim_id);
         const dvec3 normal = glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
         const SpreadRay start = moved(ray_, move);
         const double t = answer.t;
@@ -325,7 +329,7 @@ class RayJudge {
     std::vector<Move> moves_for(const Hit& answer) {
         Moves own(ray_);
         if (answer.is_hit() && query_ == Query::closest) {
-            const WorldTriangle triangle = arithmetic_.triangle(answer.inst_id, answer.prim_id);
+            const WorldTriangle triangle = moved_truth_.triangle(answer.inst_id, answer.prim_id);
             const double allowed = 0.5 * kTUlps * float_ulp(answer.t);
             for (const double step : {-allowed, 0.0, allowed}) {
                 own.towards_at(triangle, answer.t + step);
@@ -342,7 +346,7 @@ class RayJudge {
     const std::vector<Move>& shared_moves() {
         if (shared_moves_.empty()) {
             Moves moves(ray_);
-            for (const WorldTriangle& t : triangles_near(arithmetic_, ray_, moves)) {
+            for (const WorldTriangle& t : triangles_near(moved_truth_, ray_, moves)) {
                 moves.towards(t);
             }
             moves.box();
@@ -360,13 +364,14 @@ class RayJudge {
     double t_error_ulps(const Hit& answer) const {
         constexpr double kNoSuchT = std::numeric_limits<double>::quiet_NaN();
         if (!answer.is_hit() || query_ == Query::any) return kNoSuchT;
-        if (!names_triangle(arithmetic_.scene(), answer)) return kNoSuchT;
-        const auto crossing = arithmetic_.crossing(ray_, answer.inst_id, answer.prim_id);
-        if (!crossing) return kNoSuchT;
-        return std::abs(answer.t - crossing->t) / float_ulp(crossing->t);
+        if (!names_triangle(moved_truth_.scene(), answer)) return kNoSuchT;
+        const auto hit = exact_.crossing(ray_, answer.inst_id, answer.prim_id);
+        if (!hit) return kNoSuchT;
+        return std::abs(answer.t - hit->t_rounded) / float_ulp(hit->t_rounded);
     }
 
-    const DoubleTruth& arithmetic_;
+    const ExactTruth& exact_;
+    const DoubleTruth& moved_truth_;
     SpreadRay ray_;
     Query query_;
     Truth truth_;
@@ -385,12 +390,13 @@ Verdict judge_untraceable(const Hit& answer) {
     return verdict;
 }
 
-class DoubleJudge final : public Judge {
+class ExactJudge final : public Judge {
   public:
-    explicit DoubleJudge(ScenePtr scene) : arithmetic_(std::move(scene)) {}
+    explicit ExactJudge(ScenePtr scene)
+        : moved_truth_(std::move(scene)), exact_(moved_truth_.candidates()) {}
 
     std::string_view name() const override {
-        return "double precision (stand-in for the exact judge)";
+        return "exact (intervals of doubles, then exact numbers)";
     }
 
     std::vector<Verdict> judge(const Ray& ray, Query query,
@@ -401,19 +407,20 @@ class DoubleJudge final : public Judge {
             for (const Hit& answer : answers) verdicts.push_back(judge_untraceable(answer));
             return verdicts;
         }
-        RayJudge ray_judge(arithmetic_, ray, query);
+        RayJudge ray_judge(exact_, moved_truth_, ray, query);
         for (const Hit& answer : answers) verdicts.push_back(ray_judge.judge(answer));
         return verdicts;
     }
 
   private:
-    DoubleTruth arithmetic_;
+    DoubleTruth moved_truth_;
+    ExactTruth exact_;  // searches in moved_truth_'s candidates
 };
 
 }  // namespace
 
-std::unique_ptr<Judge> make_double_judge(ScenePtr scene) {
-    return std::make_unique<DoubleJudge>(std::move(scene));
+std::unique_ptr<Judge> make_exact_judge(ScenePtr scene) {
+    return std::make_unique<ExactJudge>(std::move(scene));
 }
 
 }  // namespace onepass

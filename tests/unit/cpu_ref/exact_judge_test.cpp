@@ -1,5 +1,5 @@
-// The double judge against tracers broken on purpose: every class gets its name.
-#include "cpu_ref/double_judge.h"
+// The exact judge against tracers broken on purpose: every class gets its name.
+#include "cpu_ref/exact_judge.h"
 
 #include <cmath>
 #include <limits>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "cpu_ref/double_truth.h"
 #include "cpu_ref/embree_scene.h"
+#include "cpu_ref/exact_truth.h"
 #include "tests/unit/cpu_ref/meshes.h"
 
 namespace onepass {
@@ -31,7 +31,7 @@ struct Bench {
     ScenePtr scene;
     std::unique_ptr<Judge> judge;
 
-    explicit Bench(const ScenePtr& s) : scene(s), judge(make_double_judge(s)) {}
+    explicit Bench(const ScenePtr& s) : scene(s), judge(make_exact_judge(s)) {}
     Verdict verdict(const Ray& ray, const Hit& answer, Query query = Query::closest) const {
         return judge->judge(ray, query, std::span(&answer, 1))[0];
     }
@@ -58,7 +58,7 @@ Bench one_square() {
 /// Down along z from z = 1.
 Ray down(float x, float y) { return {.org = {x, y, 1}, .dir = {0, 0, -1}}; }
 
-TEST(DoubleJudge, right_answers_agree) {
+TEST(ExactJudge, right_answers_agree) {
     const Bench bench = two_squares();
     const Verdict front = bench.verdict(down(0.5f, 0.25f), hit(1.0f, 0));
     EXPECT_EQ(front.hit_class, HitClass::agree);
@@ -74,7 +74,7 @@ TEST(DoubleJudge, right_answers_agree) {
     EXPECT_EQ(miss.true_prim_id, kNoId);
 }
 
-TEST(DoubleJudge, a_shifted_t_is_an_edge_within_the_reach_and_a_t_error_beyond) {
+TEST(ExactJudge, a_shifted_t_is_an_edge_within_the_reach_and_a_t_error_beyond) {
     // t may be off by 16 ulps; E_ray moves the plane's t by 4 ulps of origin and 4 of direction.
     const Bench bench = one_square();
     const Ray ray = down(0.5f, 0.25f);
@@ -94,13 +94,13 @@ TEST(DoubleJudge, a_shifted_t_is_an_edge_within_the_reach_and_a_t_error_beyond) 
     EXPECT_EQ(bench.hit_class(ray, hit(kInfinity, 0)), HitClass::t_error);
 }
 
-TEST(DoubleJudge, a_lost_surface_is_a_false_miss) {
+TEST(ExactJudge, a_lost_surface_is_a_false_miss) {
     const Bench bench = two_squares();
     EXPECT_EQ(bench.hit_class(down(0.5f, 0.25f), Hit{}), HitClass::false_miss);
     EXPECT_EQ(bench.hit_class(down(1.5f, 0.25f), Hit{}), HitClass::false_miss);
 }
 
-TEST(DoubleJudge, the_surface_behind_is_a_wrong_surface) {
+TEST(ExactJudge, the_surface_behind_is_a_wrong_surface) {
     const Bench bench = two_squares();
     const Verdict verdict = bench.verdict(down(0.5f, 0.25f), hit(2.0f, 2));
     EXPECT_EQ(verdict.hit_class, HitClass::wrong_surface);
@@ -109,13 +109,13 @@ TEST(DoubleJudge, the_surface_behind_is_a_wrong_surface) {
     EXPECT_EQ(bench.hit_class(down(0.5f, 0.25f), hit(1.0f, 1)), HitClass::wrong_surface);
 }
 
-TEST(DoubleJudge, a_hit_in_empty_space_is_a_false_hit) {
+TEST(ExactJudge, a_hit_in_empty_space_is_a_false_hit) {
     const Bench bench = two_squares();
     EXPECT_EQ(bench.hit_class(down(3, 0), hit(2.0f, 2)), HitClass::false_hit);
     EXPECT_TRUE(std::isnan(bench.verdict(down(3, 0), hit(2.0f, 2)).t_error_ulps));
 }
 
-TEST(DoubleJudge, coincident_duplicates_tie) {
+TEST(ExactJudge, coincident_duplicates_tie) {
     Object object;
     add_square(object, 1.0f, 0.0f);
     add_square(object, 1.0f, 0.0f);
@@ -127,7 +127,7 @@ TEST(DoubleJudge, coincident_duplicates_tie) {
     EXPECT_EQ(bench.hit_class(ray, hit(1.0f, 3)), HitClass::wrong_surface);
 }
 
-TEST(DoubleJudge, a_ray_through_a_shared_edge_ties_and_one_beside_it_is_an_edge) {
+TEST(ExactJudge, a_ray_through_a_shared_edge_ties_and_one_beside_it_is_an_edge) {
     const Bench bench = one_square();
     const Ray through = down(0.25f, 0.25f);
     EXPECT_EQ(bench.hit_class(through, hit(1.0f, 0)), HitClass::agree);
@@ -141,7 +141,7 @@ TEST(DoubleJudge, a_ray_through_a_shared_edge_ties_and_one_beside_it_is_an_edge)
     EXPECT_NEAR(other.backward_error, 0.5 * 0x1p-25 / (8 * kUlp), 1e-6);
 }
 
-TEST(DoubleJudge, a_ray_at_a_corner_ties_with_every_triangle_around_it) {
+TEST(ExactJudge, a_ray_at_a_corner_ties_with_every_triangle_around_it) {
     Object fan;
     fan.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0}};
     fan.triangles = {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}};
@@ -154,7 +154,7 @@ TEST(DoubleJudge, a_ray_at_a_corner_ties_with_every_triangle_around_it) {
     EXPECT_EQ(bench.hit_class(down(0, 0), Hit{}), HitClass::false_miss);
 }
 
-TEST(DoubleJudge, a_miss_at_a_silhouette_is_an_edge_within_the_reach_only) {
+TEST(ExactJudge, a_miss_at_a_silhouette_is_an_edge_within_the_reach_only) {
     const Bench bench = one_square();
     const Verdict grazing = bench.verdict(down(1.0f - 2 * kUlp, 0.25f), Hit{});
     EXPECT_EQ(grazing.hit_class, HitClass::edge);
@@ -165,7 +165,7 @@ TEST(DoubleJudge, a_miss_at_a_silhouette_is_an_edge_within_the_reach_only) {
     EXPECT_EQ(bench.hit_class(down(1.0f + 16 * kUlp, 0.25f), hit(1.0f, 0)), HitClass::false_hit);
 }
 
-TEST(DoubleJudge, a_surface_seen_past_a_silhouette_is_an_edge_within_the_reach_only) {
+TEST(ExactJudge, a_surface_seen_past_a_silhouette_is_an_edge_within_the_reach_only) {
     const Bench bench = two_squares();
     EXPECT_EQ(bench.hit_class(down(1.0f - 2 * kUlp, 0.25f), hit(2.0f, 2)), HitClass::edge);
     EXPECT_EQ(bench.hit_class(down(1.0f - 40 * kUlp, 0.25f), hit(2.0f, 2)),
@@ -173,7 +173,7 @@ TEST(DoubleJudge, a_surface_seen_past_a_silhouette_is_an_edge_within_the_reach_o
     EXPECT_EQ(bench.hit_class(down(1.0f + 2 * kUlp, 0.25f), hit(1.0f, 0)), HitClass::edge);
 }
 
-TEST(DoubleJudge, a_crack_in_a_closed_mesh_is_a_false_miss_never_an_edge) {
+TEST(ExactJudge, a_crack_in_a_closed_mesh_is_a_false_miss_never_an_edge) {
     const Bench bench(one_object(make_sphere(24, 16, 1.0f, vec3(0.5f, 2, -1))));
     // From inside, so that no silhouette is near.
     Random random(7);
@@ -186,7 +186,7 @@ TEST(DoubleJudge, a_crack_in_a_closed_mesh_is_a_false_miss_never_an_edge) {
     }
 }
 
-TEST(DoubleJudge, equality_with_tmin_or_tmax_ties) {
+TEST(ExactJudge, equality_with_tmin_or_tmax_ties) {
     const Bench bench = two_squares();
     Ray ray = down(0.5f, 0.25f);
     ray.tmin = 1.0f;
@@ -207,7 +207,7 @@ TEST(DoubleJudge, equality_with_tmin_or_tmax_ties) {
     EXPECT_EQ(bench.hit_class(ray, hit(ray.tmax, 0)), HitClass::false_hit);
 }
 
-TEST(DoubleJudge, a_t_outside_the_interval_is_no_answer) {
+TEST(ExactJudge, a_t_outside_the_interval_is_no_answer) {
     const Bench bench = two_squares();
     Ray ray = down(0.5f, 0.25f);
     ray.tmin = 1.0f - kUlp;
@@ -215,7 +215,7 @@ TEST(DoubleJudge, a_t_outside_the_interval_is_no_answer) {
     EXPECT_EQ(bench.hit_class(ray, hit(1.0f - 4 * kUlp, 0)), HitClass::t_error);
 }
 
-TEST(DoubleJudge, answers_that_cannot_be_are_errors) {
+TEST(ExactJudge, answers_that_cannot_be_are_errors) {
     const Bench bench = two_squares();
     const float nan = std::numeric_limits<float>::quiet_NaN();
     const Ray hits = down(0.5f, 0.25f);
@@ -229,7 +229,7 @@ TEST(DoubleJudge, answers_that_cannot_be_are_errors) {
     EXPECT_TRUE(std::isnan(bench.verdict(hits, hit(nan, 0)).t_error_ulps));
 }
 
-TEST(DoubleJudge, any_asks_only_whether_something_is_hit) {
+TEST(ExactJudge, any_asks_only_whether_something_is_hit) {
     const Bench bench = two_squares();
     const auto any = [&](const Ray& ray, const Hit& answer) {
         return bench.hit_class(ray, answer, Query::any);
@@ -249,7 +249,7 @@ TEST(DoubleJudge, any_asks_only_whether_something_is_hit) {
     EXPECT_EQ(any(ray, nameless), HitClass::edge);
 }
 
-TEST(DoubleJudge, degenerate_and_edge_on_triangles_are_never_hit) {
+TEST(ExactJudge, degenerate_and_edge_on_triangles_are_never_hit) {
     Object object;
     add_triangle(object, {0, 0, 0}, {1, 0, 0}, {2, 0, 0});   // a line
     add_triangle(object, {0, 0, 0}, {0, 0, 0}, {0, 1, 0});   // two equal corners
@@ -260,12 +260,13 @@ TEST(DoubleJudge, degenerate_and_edge_on_triangles_are_never_hit) {
     EXPECT_EQ(bench.hit_class(down(1, 0), hit(1.0f, 0)), HitClass::false_hit);
 }
 
-TEST(DoubleJudge, corners_on_a_slanted_line_make_no_surface) {
+TEST(ExactJudge, corners_on_a_slanted_line_make_no_surface) {
     Object object;
     add_triangle(object, {0, 0, 0}, {1, 3, 7}, {2, 6, 14});
     add_square(object, 20.0f, -5.0f);
     const auto scene = one_object(object);
-    const DoubleTruth truth(scene);
+    const CandidateSearch candidates(scene);
+    const ExactTruth truth(candidates);
     Random random(14);
     for (int i = 0; i < 1000; ++i) {
         const vec3 from = random.in_box({vec3(-5, -5, 3), vec3(5, 5, 9)});
@@ -274,7 +275,7 @@ TEST(DoubleJudge, corners_on_a_slanted_line_make_no_surface) {
     }
 }
 
-TEST(DoubleJudge, rays_that_are_no_rays_miss) {
+TEST(ExactJudge, rays_that_are_no_rays_miss) {
     const Bench bench = one_square();
     const float nan = std::numeric_limits<float>::quiet_NaN();
     std::vector<Ray> rays(5, down(0.5f, 0.25f));
@@ -290,7 +291,7 @@ TEST(DoubleJudge, rays_that_are_no_rays_miss) {
     }
 }
 
-TEST(DoubleJudge, one_call_judges_all_answers_in_order) {
+TEST(ExactJudge, one_call_judges_all_answers_in_order) {
     const Bench bench = two_squares();
     const std::array<Hit, 3> answers = {hit(2.0f, 2), hit(1.0f, 0), Hit{}};
     const auto verdicts = bench.judge->judge(down(0.5f, 0.25f), Query::closest, answers);
@@ -300,9 +301,10 @@ TEST(DoubleJudge, one_call_judges_all_answers_in_order) {
     EXPECT_EQ(verdicts[2].hit_class, HitClass::false_miss);
 }
 
-TEST(DoubleJudge, closed_meshes_have_no_crack_in_its_own_arithmetic) {
+TEST(ExactJudge, closed_meshes_have_no_crack_in_its_own_arithmetic) {
     const auto scene = one_object(make_sphere(48, 32, 1.0f, vec3(1000, -3, 0.1f)));
-    const DoubleTruth truth(scene);
+    const CandidateSearch candidates(scene);
+    const ExactTruth truth(candidates);
     for (const Ray& aimed : edge_rays(*scene, 20000, 9)) {
         Ray ray = aimed;
         const vec3 target = ray.org + ray.dir;
@@ -315,12 +317,13 @@ TEST(DoubleJudge, closed_meshes_have_no_crack_in_its_own_arithmetic) {
 /// Answers each ray with the truth about another ray of its E_ray; returns how many of those the
 /// judge calls errors, wrongly.
 size_t over_reported(const ScenePtr& scene, const std::vector<Ray>& rays) {
-    const DoubleTruth truth(scene);
-    const auto judge = make_double_judge(scene);
+    const CandidateSearch candidates(scene);
+    const ExactTruth truth(candidates);
+    const auto judge = make_exact_judge(scene);
     Random random(15);
     size_t errors = 0;
     for (const Ray& ray : rays) {
-        SpreadRay moved = e_ray(ray, truth.candidates().magnitude());
+        SpreadRay moved = e_ray(ray, candidates.magnitude());
         for (int k = 0; k < 3; ++k) {
             moved.org[k] += moved.org_reach * (2.0 * random.unit() - 1.0);
             moved.dir[k] += moved.dir_reach * (2.0 * random.unit() - 1.0);
@@ -336,7 +339,7 @@ size_t over_reported(const ScenePtr& scene, const std::vector<Ray>& rays) {
     return errors;
 }
 
-TEST(DoubleJudge, answers_right_for_a_ray_nearby_are_not_called_errors) {
+TEST(ExactJudge, answers_right_for_a_ray_nearby_are_not_called_errors) {
     // The search is bounded, so it may miss a witness; it must not do so often enough to drown real
     // errors.
     Scene disc = *one_object(make_sphere(96, 64, 1.0f, vec3(0)));
@@ -351,7 +354,7 @@ TEST(DoubleJudge, answers_right_for_a_ray_nearby_are_not_called_errors) {
 /// Counts Embree's errors on the rays and expects at most this many.
 void expect_embree_errors(const ScenePtr& scene, const std::vector<Ray>& rays, size_t most) {
     const EmbreeScene embree(*scene, {});
-    const auto judge = make_double_judge(scene);
+    const auto judge = make_exact_judge(scene);
     size_t hits = 0;
     size_t errors = 0;
     std::string worst;
@@ -374,14 +377,14 @@ void expect_embree_errors(const ScenePtr& scene, const std::vector<Ray>& rays, s
 /// measured 3 to 4 of 1000, rays from inside a closed sphere among them.
 constexpr size_t kCornerLeaksPerMille = 10;
 
-TEST(DoubleJudge, embree_robust_makes_no_error_on_random_rays) {
+TEST(ExactJudge, embree_robust_makes_no_error_on_random_rays) {
     const auto sphere = one_object(make_sphere(96, 64, 1.0f, vec3(0)));
     expect_embree_errors(sphere, random_rays(*sphere, 20000, 10), 0);
     const auto instances = instanced_spheres();
     expect_embree_errors(instances, random_rays(*instances, 20000, 12), 0);
 }
 
-TEST(DoubleJudge, embree_robust_errs_on_few_of_the_rays_aimed_at_corners_and_edges) {
+TEST(ExactJudge, embree_robust_errs_on_few_of_the_rays_aimed_at_corners_and_edges) {
     const auto sphere = one_object(make_sphere(96, 64, 1.0f, vec3(0)));
     expect_embree_errors(sphere, edge_rays(*sphere, 20000, 11), 20 * kCornerLeaksPerMille);
     const auto instances = instanced_spheres();
