@@ -64,7 +64,18 @@ gl::TexelFormat texel_format(const TextureData& texture) {
     }
 }
 
+gl::Texture upload_buffer(const TextureData& buffer) {
+    if (buffer.format == ChannelFormat::single) {
+        return gl::texture_buffer(buffer.name, gl::TexelFormat::rgba32f, buffer.texels);
+    }
+    const gl::TexelFormat format = buffer.channels == 1   ? gl::TexelFormat::r32ui
+                                   : buffer.channels == 2 ? gl::TexelFormat::rg32ui
+                                                          : gl::TexelFormat::rgba32ui;
+    return gl::texture_buffer(buffer.name, format, buffer.words);
+}
+
 gl::Texture upload_texture(const TextureData& texture) {
+    if (texture.dimensions == 1) return upload_buffer(texture);
     if (texture.dimensions == 3) {
         return gl::texture_3d(texture.name, texel_format(texture), texture.size, texture.texels);
     }
@@ -121,6 +132,7 @@ class GpuTracer final : public Tracer {
             textures_.push_back(upload_texture(texture));
             // The device has it now: give the memory back.
             texture.texels = {};
+            texture.words = {};
         }
         cast_program(false);
     }

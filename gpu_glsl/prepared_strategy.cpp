@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/grid/two_level_grid.h"
 #include "gpu_glsl/pack/shading_tables.h"
+#include "gpu_glsl/pack/two_level_buffers.h"
 #include "gpu_glsl/pack/two_level_textures.h"
 
 namespace onepass {
@@ -23,7 +24,7 @@ double ms_since(std::chrono::steady_clock::time_point start) {
 
 // ---- The two-level grid in 2D and 3D textures --------------------------------------------------
 
-std::vector<ParamInfo> two_level_texture_params() {
+std::vector<ParamInfo> two_level_sizing_params() {
     using Type = ParamInfo::Type;
     const TwoLevelSizing sizing;
     return {
@@ -47,13 +48,21 @@ std::vector<ParamInfo> two_level_texture_params() {
          "auto",
          "cells of the top-level grid, XxYxZ; overrides top_density",
          {}},
+    };
+}
+
+std::vector<ParamInfo> two_level_texture_params() {
+    using Type = ParamInfo::Type;
+    std::vector<ParamInfo> params = two_level_sizing_params();
+    params.push_back(
         {"address",
          Type::choice,
          "auto",
          "width of a texture address: half (16-bit float) where the scene fits, else float",
-         {"auto", "half", "float"}},
-        {"atlas", Type::integer, "256", "cells a side of the cell texture, at most", {}},
-    };
+         {"auto", "half", "float"}});
+    params.push_back(
+        {"atlas", Type::integer, "256", "cells a side of the cell texture, at most", {}});
+    return params;
 }
 
 /// "auto", or three cell counts.
@@ -91,13 +100,26 @@ AddressWidth address_width(const Params& params) {
     return AddressWidth::automatic;
 }
 
-void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
-    const Params& params = prepared.params;
+TwoLevelSizing two_level_sizing(const Params& params) {
     TwoLevelSizing sizing;
     sizing.object.density = positive(params, "density");
     sizing.object.resolution = parse_resolution(params, "resolution");
     sizing.top.density = positive(params, "top_density");
     sizing.top.resolution = parse_resolution(params, "top_resolution");
+    return sizing;
+}
+
+/// Moves what a packing made into the strategy, with the times of build and packing.
+template <class Packed>
+void add_packed(PreparedStrategy& prepared, Packed packed, double build_ms, double pack_ms) {
+    prepared.stats = {{"build_ms", build_ms, "both levels, all threads"}, {"pack_ms", pack_ms, ""}};
+    std::move(packed.stats.begin(), packed.stats.end(), std::back_inserter(prepared.stats));
+    prepared.inputs.append(std::move(packed.inputs));
+}
+
+void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
+    const Params& params = prepared.params;
+    const TwoLevelSizing sizing = two_level_sizing(params);
     const long atlas = params.integer("atlas");
     if (atlas < 16) {
         throw Error({"--param atlas", fmt::format("{}", atlas), "at least 16, one block",
@@ -111,10 +133,17 @@ void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
         {.address = address_width(params),
          .cell_texture_limit = static_cast<uint32_t>(std::min(atlas, 65536L)),
          .limits = limits});
-    prepared.stats = {{"build_ms", grid.build_ms, "both levels, all threads"},
-                      {"pack_ms", ms_since(start), ""}};
-    std::move(packed.stats.begin(), packed.stats.end(), std::back_inserter(prepared.stats));
-    prepared.inputs.append(std::move(packed.inputs));
+    add_packed(prepared, std::move(packed), grid.build_ms, ms_since(start));
+}
+
+// ---- The two-level grid in buffers -------------------------------------------------------------
+
+void pack_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
+    const TwoLevelGrid grid =
+        build_two_level_grid(*prepared.scene, two_level_sizing(prepared.params));
+    const auto start = std::chrono::steady_clock::now();
+    TwoLevelBuffers packed = pack_two_level_buffers(*prepared.scene, grid, limits);
+    add_packed(prepared, std::move(packed), grid.build_ms, ms_since(start));
 }
 
 // ---- All structures and storages ---------------------------------------------------------------
@@ -129,6 +158,7 @@ struct Packing {
 
 constexpr Packing kPackings[] = {
     {"two_level_grid", "texture2d", two_level_texture_params, pack_two_level},
+    {"two_level_grid", "buffer", two_level_sizing_params, pack_in_buffers},
 };
 
 const Packing& find_packing(const gl::StrategyInfo& info, const std::string& storage) {

@@ -9,6 +9,25 @@
 #include "core/error.h"
 
 namespace onepass {
+namespace {
+
+/// Without its content. An empty buffer holds one texel, as GL has none without.
+TextureData make_buffer(const std::string& name, const std::string& what, uint64_t texels,
+                        const TextureLimits& limits) {
+    if (texels > limits.max_buffer) {
+        throw Error({fmt::format("buffer '{}'", name), fmt::format("{} texels of {}", texels, what),
+                     fmt::format("at most {}", limits.max_buffer),
+                     "Use a smaller scene, a lower --param density, or a device with larger "
+                     "buffer textures."});
+    }
+    TextureData buffer;
+    buffer.name = name;
+    buffer.dimensions = 1;
+    buffer.size = uvec3(std::max<uint64_t>(texels, 1), 1, 1);
+    return buffer;
+}
+
+}  // namespace
 
 void ShaderInputs::append(ShaderInputs other) {
     std::move(other.textures.begin(), other.textures.end(), std::back_inserter(textures));
@@ -53,6 +72,22 @@ TextureData make_record_texture(const std::string& name, const std::string& what
     texture.size = uvec3(width, height, 1);
     texture.texels.assign(width * height * 4, 0.0f);
     return texture;
+}
+
+TextureData make_float_buffer(const std::string& name, const std::string& what, uint64_t texels,
+                              const TextureLimits& limits) {
+    TextureData buffer = make_buffer(name, what, texels, limits);
+    buffer.texels.assign(size_t{4} * buffer.size.x, 0.0f);
+    return buffer;
+}
+
+TextureData make_word_buffer(const std::string& name, const std::string& what, uint64_t texels,
+                             int channels, const TextureLimits& limits) {
+    TextureData buffer = make_buffer(name, what, texels, limits);
+    buffer.channels = channels;
+    buffer.format = ChannelFormat::word;
+    buffer.words.assign(static_cast<size_t>(channels) * buffer.size.x, 0);
+    return buffer;
 }
 
 uvec2 record_texel(const TextureData& texture, uint64_t index, uint32_t texels_per_record) {

@@ -14,18 +14,20 @@
 
 namespace onepass {
 
-/// How a texture stores a channel. `half`: every value of `texels` is exact in 16 bits.
-enum class ChannelFormat { half, single };
+/// How a texture stores a channel. `half`: every value of `texels` is exact in 16 bits. `word`:
+/// unsigned integers.
+enum class ChannelFormat { half, single, word };
 
-/// A 2D or 3D texture. Texel (x, y, z) starts at texels[channels * (x + size.x * (y + size.y *
-/// z))].
+/// A 2D or 3D texture, or a buffer (of dimension 1). Texel (x, y, z) starts at
+/// texels[channels * (x + size.x * (y + size.y * z))].
 struct TextureData {
     std::string name;  ///< of the sampler
     int dimensions = 2;
-    uvec3 size{1};  ///< texels; size.z = 1 for 2D
+    uvec3 size{1};  ///< texels; 1 in the dimensions it lacks
     int channels = 4;
     ChannelFormat format = ChannelFormat::single;
     std::vector<float> texels;
+    std::vector<uint32_t> words = {};  ///< of format `word`, in place of `texels`
 
     uint64_t bytes() const {
         return uint64_t{size.x} * size.y * size.z * static_cast<uint64_t>(channels) *
@@ -57,6 +59,7 @@ struct ShaderInputs {
 struct TextureLimits {
     uint32_t max_2d = 16384;  ///< texels a side
     uint32_t max_3d = 2048;
+    uint64_t max_buffer = uint64_t{1} << 27;  ///< texels
 };
 
 /// A 2D texture of `records` records of `texels_per_record` RGBA32F texels each, row-major, where
@@ -64,6 +67,13 @@ struct TextureLimits {
 /// errors. Throws: Error if the records exceed `max_side`.
 TextureData make_record_texture(const std::string& name, const std::string& what, uint64_t records,
                                 uint32_t texels_per_record, uint32_t max_side);
+
+/// Buffers of zeros: of four floats a texel, and of 1, 2 or 4 unsigned integers a texel. `what`
+/// names what fills them in errors. Throws: Error if the texels exceed the limit.
+TextureData make_float_buffer(const std::string& name, const std::string& what, uint64_t texels,
+                              const TextureLimits& limits);
+TextureData make_word_buffer(const std::string& name, const std::string& what, uint64_t texels,
+                             int channels, const TextureLimits& limits);
 
 /// The texel where record `index` of such a texture begins.
 uvec2 record_texel(const TextureData& texture, uint64_t index, uint32_t texels_per_record);

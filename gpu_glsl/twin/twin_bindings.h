@@ -18,6 +18,13 @@ namespace onepass::twin {
 /// Throws: Error naming the texture and the coordinates.
 [[noreturn]] void fetch_out_of_range(const TextureData& texture, double x, double y, double z);
 
+/// Throws: as fetch_out_of_range, if `index` lies outside the buffer.
+inline void check_index(const TextureData& buffer, int index) {
+    if (index < 0 || static_cast<uint32_t>(index) >= buffer.size.x) {
+        fetch_out_of_range(buffer, index, 0, 0);
+    }
+}
+
 /// Constants, uniforms and textures by the names the shader text uses.
 class Bindings {
   public:
@@ -107,6 +114,41 @@ class Sampler {
     }
 
     const TextureData* texture_;
+};
+
+/// A buffer of floats, read by index.
+template <class Real>
+class BufferSampler {
+  public:
+    using Vec4 = glm::vec<4, Real>;
+
+    explicit BufferSampler(const TextureData& buffer) : buffer_(&buffer) {}
+
+    Vec4 fetch(int index) const {
+        check_index(*buffer_, index);
+        const float* values = &buffer_->texels[4 * static_cast<size_t>(index)];
+        return Vec4(values[0], values[1], values[2], values[3]);
+    }
+
+  private:
+    const TextureData* buffer_;
+};
+
+/// A buffer of unsigned integers, read by index. Missing channels read as (0, 0, 1), as in GL.
+class WordSampler {
+  public:
+    explicit WordSampler(const TextureData& buffer) : buffer_(&buffer) {}
+
+    glm::uvec4 fetch(int index) const {
+        check_index(*buffer_, index);
+        const auto channels = static_cast<size_t>(buffer_->channels);
+        const uint32_t* values = &buffer_->words[channels * static_cast<size_t>(index)];
+        return glm::uvec4(values[0], channels > 1 ? values[1] : 0, channels > 2 ? values[2] : 0,
+                          channels > 3 ? values[3] : 1);
+    }
+
+  private:
+    const TextureData* buffer_;
 };
 
 }  // namespace onepass::twin

@@ -26,6 +26,11 @@
 #define SIZE2D(name) textureSize(name, 0)
 #define SIZE3D(name) textureSize(name, 0)
 
+// Buffers of floats and of unsigned integers, four, two or one to a texel, read by index.
+#define BUFFER(name) uniform samplerBuffer name;
+#define UBUFFER(name) uniform usamplerBuffer name;
+#define FETCHBUFFER(name, index) texelFetch(name, index)
+
 // A result that the driver may neither contract nor reorder. GLSL has the word from 4.0 on.
 #if __VERSION__ >= 400
 #define PRECISE precise
