@@ -1,6 +1,7 @@
 #include "compare/rays.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -33,6 +34,14 @@ RaySet primary_rays(const Scene& scene, const RayRequest& request, bool tiled) {
         set.rays.push_back(primary_ray(frame, pixel % request.width, pixel / request.width));
     }
     return set;
+}
+
+vec3 uniform_point(const Bounds& box, Random& random) {
+    // Named one by one: the order in which a call's arguments are computed is not specified.
+    const float x = random.unit();
+    const float y = random.unit();
+    const float z = random.unit();
+    return box.lower + box.extent() * vec3(x, y, z);
 }
 
 /// A uniform point of the unit disk, by rejection.
@@ -103,6 +112,41 @@ RaySet shadow_rays(const Scene& scene, Tracer& oracle, const RayRequest& request
     return set;
 }
 
+/// The corners of a triangle in the world, as floats.
+std::array<vec3, 3> world_corners(const Scene& scene, uint32_t inst_id, uint32_t prim_id) {
+    const Instance& instance = scene.instances[inst_id];
+    const Object& object = scene.objects[instance.object];
+    std::array<vec3, 3> corners;
+    for (int i = 0; i < 3; ++i) {
+        corners[static_cast<size_t>(i)] = transform_point(
+            instance.world_from_object, object.positions[object.triangles[prim_id][i]]);
+    }
+    return corners;
+}
+
+/// Aimed at what traversals get wrong: a uniform triangle's corner, or a uniform point of its edge.
+RaySet aimed_rays(const Scene& scene, const RayRequest& request, bool at_corners) {
+    const Bounds box = scene_bounds(scene);
+    RaySet set;
+    Random random(request.seed);
+    const size_t count = size_t{request.width} * request.height;
+    set.rays.resize(count);
+    for (Ray& ray : set.rays) {
+        const auto inst_id = static_cast<uint32_t>(random.below(scene.instances.size()));
+        const Object& object = scene.objects[scene.instances[inst_id].object];
+        const auto prim_id = static_cast<uint32_t>(random.below(object.triangles.size()));
+        const std::array<vec3, 3> corners = world_corners(scene, inst_id, prim_id);
+        const size_t corner = random.below(3);
+        vec3 target = corners[corner];
+        if (!at_corners) target += (corners[(corner + 1) % 3] - target) * random.unit();
+        do {
+            ray.org = uniform_point(box, random);
+            ray.dir = target - ray.org;
+        } while (ray.dir == vec3(0.0f));
+    }
+    return set;
+}
+
 RaySet rays_by_name(const std::string& name, const Scene& scene, Tracer& oracle,
                     const RayRequest& request) {
     RaySet set;
@@ -119,6 +163,8 @@ RaySet rays_by_name(const std::string& name, const Scene& scene, Tracer& oracle,
         set = shadow_rays(scene, oracle, request);
     } else if (name == "reflection") {
         set = reflection_rays(scene, oracle, request);
+    } else if (name == "vertex" || name == "edge") {
+        set = aimed_rays(scene, request, name == "vertex");
     } else {
         std::string kinds;
         for (const RayKind& kind : ray_kinds()) kinds += kind.name + ", ";
@@ -142,6 +188,8 @@ const std::vector<RayKind>& ray_kinds() {
         {"diffuse", "one cosine-weighted bounce from each primary hit"},
         {"shadow", "from each primary hit to each light, any-hit"},
         {"reflection", "one mirror bounce from each primary hit"},
+        {"vertex", "from uniform points in the scene's box to corners of its triangles"},
+        {"edge", "from uniform points in the scene's box to points on edges of its triangles"},
     };
     return kKinds;
 }
@@ -165,17 +213,10 @@ std::vector<uint32_t> pixel_order(uint32_t width, uint32_t height, bool tiled) {
 
 std::vector<Ray> random_rays(const Bounds& bounds, size_t count, uint64_t seed) {
     Random random(seed);
-    // Named one by one: the order in which a call's arguments are computed is not specified.
-    const auto point = [&] {
-        const float x = random.unit();
-        const float y = random.unit();
-        const float z = random.unit();
-        return bounds.lower + bounds.extent() * vec3(x, y, z);
-    };
     std::vector<Ray> rays(count);
     for (Ray& ray : rays) {
-        ray.org = point();
-        ray.dir = point() - ray.org;
+        ray.org = uniform_point(bounds, random);
+        ray.dir = uniform_point(bounds, random) - ray.org;
     }
     return rays;
 }

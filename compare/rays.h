@@ -30,7 +30,7 @@ struct RayKind {
     std::string summary;
 };
 
-/// primary, scan, random, diffuse, shadow, reflection.
+/// primary, scan, random, diffuse, shadow, reflection, vertex, edge.
 const std::vector<RayKind>& ray_kinds();
 
 /// How many rays, and from where.
@@ -60,6 +60,9 @@ vec3 cosine_direction(const vec3& normal, float disk_x, float disk_y);
 /// diffuse     one cosine-weighted bounce from each primary hit
 /// shadow      from each primary hit to each light that its front faces; any-hit, t in [0, 1]
 /// reflection  one mirror bounce from each primary hit, whatever its material
+/// vertex      width * height rays from uniform points of the scene's box to the corners of uniform
+///             triangles, instances drawn alike
+/// edge        the same to uniform points of their edges
 ///
 /// Secondary rays start at core/shading.h's offset, from hits that `oracle` finds.
 /// Throws: Error for an unknown kind, a camera that is not there, a bad file, or a kind that yields

@@ -22,6 +22,7 @@ struct CheckCommand {
     StrategyOptions strategy;
     RayOptions rays{{"primary", "random"}, "512x512", 0};
     std::vector<std::string> allow;
+    double sample = HitCheckOptions{}.agreement_sample;
     bool image = true;
     std::string json;
     std::string pictures;
@@ -238,6 +239,7 @@ void run(Session& session, const CheckCommand& options) {
     if (!options.json.empty() && options.json != "-") check_writable(options.json);
     HitCheckOptions hit_options;
     hit_options.allowed = parse_allowances(options.allow);
+    hit_options.agreement_sample = options.sample;
     hit_options.seed = session.globals.seed;
     CheckRun check{session,
                    options,
@@ -278,6 +280,12 @@ void add_check(CLI::App& app, Session& session) {
                                  kEdgeShare))
         ->type_name("CLASS=N")
         ->allow_extra_args(false);
+    command
+        ->add_option("--sample", options->sample,
+                     "Share of the rays on which tracer and oracle agree that is judged "
+                     "nevertheless; 1 judges every ray")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str();
     command->add_flag("--image,!--no-image", options->image,
                       "Also compares the rendered image with Embree's (default: yes)");
     command->add_option("--json", options->json, "Writes the results; '-' is standard output")
