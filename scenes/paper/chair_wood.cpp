@@ -97,6 +97,7 @@ Scene make_chair_wood() {
     const uint32_t floor = add_material(scene, matte("floor", vec3(0.45f, 0.41f, 0.35f)));
 
     // Feet stand wider than the seat; the rear legs go on, past the seat, to the back's crest.
+    constexpr float kFoot = 0.036f;  // legs lean: so high is the middle of a foot whose rim stands
     constexpr float kSeatHeight = 4.6f;
     constexpr float kBackHeight = 9.8f;
     struct Leg {
@@ -104,13 +105,13 @@ Scene make_chair_wood() {
         vec3 foot, top;
     };
     const Leg legs[] = {
-        {"front left leg", {-2.2f, 0, 2.15f}, {-1.95f, kSeatHeight - 0.3f, 1.85f}},
-        {"front right leg", {2.2f, 0, 2.15f}, {1.95f, kSeatHeight - 0.3f, 1.85f}},
-        {"rear left leg", {-1.95f, 0, -1.75f}, {-1.95f, kBackHeight, -2.9f}},
-        {"rear right leg", {1.95f, 0, -1.75f}, {1.95f, kBackHeight, -2.9f}},
+        {"front left leg", {-2.2f, kFoot, 2.15f}, {-1.95f, kSeatHeight - 0.3f, 1.85f}},
+        {"front right leg", {2.2f, kFoot, 2.15f}, {1.95f, kSeatHeight - 0.3f, 1.85f}},
+        {"rear left leg", {-1.95f, kFoot, -1.75f}, {-1.95f, kBackHeight, -2.9f}},
+        {"rear right leg", {1.95f, kFoot, -1.75f}, {1.95f, kBackHeight, -2.9f}},
     };
     const auto at_height = [&](const Leg& leg, float y) {
-        return glm::mix(leg.foot, leg.top, y / leg.top.y);
+        return glm::mix(leg.foot, leg.top, (y - leg.foot.y) / (leg.top.y - leg.foot.y));
     };
     const uint32_t leg_object = add_object(scene, "leg", make_leg());
     for (const Leg& leg : legs) {

@@ -208,7 +208,7 @@ Scene make_sky() {
         glossy("tail blades", dark, 30, 0.15f),
     };
     scene.lights = {light("sun", vec3(-120, 260, 220), vec3(1.0f, 0.96f, 0.86f))};
-    scene.cameras = {camera(vec3(57, 68, 123), vec3(1.2f, 6.5f, 2))};
+    scene.cameras = {camera(vec3(58.5f, 69.5f, 126), vec3(1.6f, 5.5f, 2))};
     return scene;
 }
 

@@ -172,7 +172,7 @@ Scene make_palace() {
                  scaling(vec3(108, 1, 90)), {light_paving, dark_paving});
 
     scene.lights = {light("sun", vec3(-45, 110, 150), vec3(0.9f, 0.86f, 0.76f))};
-    scene.cameras = {camera(vec3(39, 21.5f, 67.5f), vec3(0, 12.8f, 0))};
+    scene.cameras = {camera(vec3(40.2f, 22.2f, 69.5f), vec3(-0.3f, 12.6f, 0))};
     return scene;
 }
 

@@ -101,7 +101,7 @@ Scene make_palm_pc() {
 
     // The stylus leans on the computer's right edge, its tip above the screen that mirrors it.
     add_instance(scene, "stylus", add_object(scene, "stylus", make_stylus()),
-                 spanning(vec3(1.3f, 3.1f, -1.6f), vec3(8, 0.3f, 5)), {black, shell, black});
+                 spanning(vec3(1.3f, 3.1f, -1.6f), vec3(8, 0.36f, 5)), {black, shell, black});
 
     Object table = make_grid(11, 7);
     set_groups(table, {"boards A", "boards B"},
