@@ -71,12 +71,12 @@ TEST(SetNormals, makes_a_sphere_smooth_without_new_vertices) {
 
 TEST(SetGroups, keeps_quads_whole_and_every_triangle) {
     Object grid = make_grid(4, 1);
-    set_groups(grid, {"left", "right"}, [](const vec3& c) { return c.x < -0.3f ? 0u : 1u; });
+    set_groups(grid, {"left", "right"}, [](const vec3& c) { return c.x < -0.36f ? 0u : 1u; });
     ASSERT_EQ(grid.groups.size(), 2u);
     EXPECT_EQ(grid.groups[0], (TriangleGroup{"left", 0, 2}));
     EXPECT_EQ(grid.groups[1], (TriangleGroup{"right", 2, 6}));
     Object fans = make_sphere(5, 3);  // an odd number of triangles before the first quad
-    set_groups(fans, {"lower", "upper"}, [](const vec3& c) { return c.y < -0.4f ? 0u : 1u; });
+    set_groups(fans, {"lower", "upper"}, [](const vec3& c) { return c.y < -0.1f ? 0u : 1u; });
     EXPECT_EQ(fans.groups[0].triangle_count, 5u);
     EXPECT_EQ(fans.groups[1].triangle_count, 15u);
     EXPECT_TRUE(test::is_closed(fans));
