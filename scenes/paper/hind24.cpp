@@ -21,25 +21,27 @@ constexpr vec3 kTailRotor{0.42f, 2.35f, -10.6f};
 
 /// From the tail boom over the engines and the two canopies to the nose.
 Object make_hull() {
-    //                     at      half width  bottom  waist  top   exponent
-    const Section keys[] = {{-10.6f, 0, 0, 0.85f, 0, 2},
-                            {-10.5f, 0.14f, 0.65f, 0.85f, 1.05f, 2},
-                            {-8, 0.27f, 0.42f, 0.8f, 1.15f, 2},
-                            {-4.4f, 0.5f, -0.15f, 0.55f, 1.25f, 2},
-                            {-3.2f, 0.68f, -0.6f, 0.4f, 1.45f, 2.2f},
-                            {-2.2f, 0.82f, -0.95f, 0.3f, 2, 2.6f},
-                            {-1, 0.88f, -1.1f, 0.25f, 2.2f, 2.8f},
-                            {1, 0.88f, -1.1f, 0.2f, 2.2f, 2.8f},
-                            {1.9f, 0.86f, -1.1f, 0.15f, 2, 2.6f},
-                            {2.15f, 0.82f, -1.1f, 0.1f, 1.45f, 2.3f},
-                            {2.7f, 0.76f, -1.08f, 0.05f, 1.5f, 2.1f},
-                            {3.3f, 0.7f, -1.05f, 0, 1.3f, 2},
-                            {3.8f, 0.64f, -1.02f, -0.1f, 0.72f, 2},
-                            {4.3f, 0.62f, -1, -0.15f, 0.78f, 2},
-                            {4.9f, 0.57f, -0.97f, -0.25f, 0.55f, 2},
-                            {5.5f, 0.5f, -0.92f, -0.4f, 0.05f, 2},
-                            {6.1f, 0.36f, -0.86f, -0.52f, -0.2f, 2},
-                            {6.5f, 0, 0, -0.58f, 0, 2}};
+    // at, half width, bottom, waist, top, exponent
+    const Section keys[] = {
+        {-10.6f, 0, 0, 0.85f, 0, 2},
+        {-10.5f, 0.14f, 0.65f, 0.85f, 1.05f, 2},
+        {-8, 0.27f, 0.42f, 0.8f, 1.15f, 2},
+        {-4.4f, 0.5f, -0.15f, 0.55f, 1.25f, 2},
+        {-3.2f, 0.68f, -0.6f, 0.4f, 1.45f, 2.2f},
+        {-2.2f, 0.82f, -0.95f, 0.3f, 2, 2.6f},
+        {-1, 0.88f, -1.1f, 0.25f, 2.2f, 2.8f},
+        {1, 0.88f, -1.1f, 0.2f, 2.2f, 2.8f},
+        {1.9f, 0.86f, -1.1f, 0.15f, 2, 2.6f},
+        {2.15f, 0.82f, -1.1f, 0.1f, 1.45f, 2.3f},
+        {2.7f, 0.76f, -1.08f, 0.05f, 1.5f, 2.1f},
+        {3.3f, 0.7f, -1.05f, 0, 1.3f, 2},
+        {3.8f, 0.64f, -1.02f, -0.1f, 0.72f, 2},
+        {4.3f, 0.62f, -1, -0.15f, 0.78f, 2},
+        {4.9f, 0.57f, -0.97f, -0.25f, 0.55f, 2},
+        {5.5f, 0.5f, -0.92f, -0.4f, 0.05f, 2},
+        {6.1f, 0.36f, -0.86f, -0.52f, -0.2f, 2},
+        {6.5f, 0, 0, -0.58f, 0, 2},
+    };
     Object hull = lofted(keys, 64, 41);
     set_groups(hull, {"green", "tan", "belly", "canopies"}, [](const vec3& c) {
         const bool rear_canopy = c.z > 2.2f && c.z < 3.75f && c.y > 0.45f;
@@ -69,12 +71,14 @@ Object make_stub_wing(float side) {
 }
 
 Object make_pod() {
-    const Section keys[] = {{-1.15f, 0, 0, 0, 0},
-                            {-1.1f, 0.15f, -0.15f, 0, 0.15f},
-                            {-0.8f, 0.22f, -0.22f, 0, 0.22f},
-                            {0.85f, 0.22f, -0.22f, 0, 0.22f},
-                            {1.1f, 0.13f, -0.13f, 0, 0.13f},
-                            {1.15f, 0, 0, 0, 0}};
+    const Section keys[] = {
+        {-1.15f, 0, 0, 0, 0},
+        {-1.1f, 0.15f, -0.15f, 0, 0.15f},
+        {-0.8f, 0.22f, -0.22f, 0, 0.22f},
+        {0.85f, 0.22f, -0.22f, 0, 0.22f},
+        {1.1f, 0.13f, -0.13f, 0, 0.13f},
+        {1.15f, 0, 0, 0, 0},
+    };
     Object pod = lofted(keys, 16, 17);
     set_normals(pod, 40);
     return pod;
@@ -82,10 +86,12 @@ Object make_pod() {
 
 /// The swept fin that carries the tail rotor; its blade's z points up and its y forwards.
 Object make_fin() {
-    const Section keys[] = {{0, 0.16f, -0.5f, 0.2f, 1.3f},
-                            {1.4f, 0.1f, -1.3f, -0.8f, 0.05f},
-                            {2.05f, 0.06f, -1.55f, -1.15f, -0.6f},
-                            {2.15f, 0, 0, -1.2f, 0}};
+    const Section keys[] = {
+        {0, 0.16f, -0.5f, 0.2f, 1.3f},
+        {1.4f, 0.1f, -1.3f, -0.8f, 0.05f},
+        {2.05f, 0.06f, -1.55f, -1.15f, -0.6f},
+        {2.15f, 0, 0, -1.2f, 0},
+    };
     Object fin = bladed(keys, 16);
     set_normals(fin, 12);
     return fin;
@@ -140,11 +146,13 @@ Object make_main_rotor() {
 
 /// Three blades about the x axis.
 Object make_tail_rotor() {
-    const Section keys[] = {{-0.05f, 0.05f, -0.07f, 0, 0.07f},
-                            {0.35f, 0.04f, -0.08f, 0, 0.08f},
-                            {0.5f, 0.03f, -0.15f, 0, 0.15f},
-                            {1.85f, 0.02f, -0.14f, 0, 0.14f},
-                            {1.95f, 0, 0, 0, 0}};
+    const Section keys[] = {
+        {-0.05f, 0.05f, -0.07f, 0, 0.07f},
+        {0.35f, 0.04f, -0.08f, 0, 0.08f},
+        {0.5f, 0.03f, -0.15f, 0, 0.15f},
+        {1.85f, 0.02f, -0.14f, 0, 0.14f},
+        {1.95f, 0, 0, 0, 0},
+    };
     Object blade = bladed(keys, 33);
     set_normals(blade, 12);
     Object rotor;

@@ -8,18 +8,19 @@ namespace onepass {
 namespace {
 
 Object make_handle() {
-    //                     at     half width  bottom   waist    top    exponent
-    const Section keys[] = {{-1.28f, 0, 0, -0.02f, 0, 2},
-                            {-1.28f, 0.06f, -0.14f, -0.02f, 0.07f, 2.5f},
-                            {-1.2f, 0.115f, -0.2f, -0.02f, 0.12f, 2.5f},
-                            {-1.0f, 0.11f, -0.15f, 0, 0.15f, 2.5f},
-                            {-0.6f, 0.13f, -0.17f, 0, 0.15f, 2.5f},
-                            {-0.3f, 0.1f, -0.11f, 0, 0.13f, 2.5f},
-                            {-0.14f, 0.1f, -0.12f, 0, 0.14f, 2.5f},
-                            {-0.13f, 0.115f, -0.14f, 0, 0.155f, 2.5f},
-                            {0.02f, 0.09f, -0.17f, 0, 0.165f, 2.5f},
-                            {0.02f, 0, 0, 0, 0, 2.5f}};
-
+    // at, half width, bottom, waist, top, exponent
+    const Section keys[] = {
+        {-1.28f, 0, 0, -0.02f, 0, 2},
+        {-1.28f, 0.06f, -0.14f, -0.02f, 0.07f, 2.5f},
+        {-1.2f, 0.115f, -0.2f, -0.02f, 0.12f, 2.5f},
+        {-1.0f, 0.11f, -0.15f, 0, 0.15f, 2.5f},
+        {-0.6f, 0.13f, -0.17f, 0, 0.15f, 2.5f},
+        {-0.3f, 0.1f, -0.11f, 0, 0.13f, 2.5f},
+        {-0.14f, 0.1f, -0.12f, 0, 0.14f, 2.5f},
+        {-0.13f, 0.115f, -0.14f, 0, 0.155f, 2.5f},
+        {0.02f, 0.09f, -0.17f, 0, 0.165f, 2.5f},
+        {0.02f, 0, 0, 0, 0, 2.5f},
+    };
     Object handle = lofted(keys, 25, 24);
     set_groups(handle, {"grip", "bolster"}, [](const vec3& c) { return c.z > -0.137f ? 1u : 0u; });
     set_normals(handle, 30);
@@ -27,12 +28,13 @@ Object make_handle() {
 }
 
 Object make_knife_blade() {
-    //                     at     half width  edge   bevel   spine
+    // at, half width, edge, bevel, spine
     const Section keys[] = {
         {0, 0.014f, -0.13f, 0.02f, 0.145f},       {0.07f, 0.014f, -0.13f, 0.02f, 0.145f},
         {0.11f, 0.034f, -0.36f, 0.02f, 0.145f},   {0.7f, 0.031f, -0.36f, 0.02f, 0.15f},
         {1.4f, 0.026f, -0.31f, 0.01f, 0.12f},     {1.9f, 0.018f, -0.2f, -0.02f, 0.06f},
-        {2.2f, 0.008f, -0.09f, -0.035f, -0.005f}, {2.28f, 0, -0.05f, -0.05f, -0.05f}};
+        {2.2f, 0.008f, -0.09f, -0.035f, -0.005f}, {2.28f, 0, -0.05f, -0.05f, -0.05f},
+    };
     Object blade = bladed(keys, 66);
     set_normals(blade, 4);
     return blade;

@@ -15,22 +15,23 @@ constexpr float kNacelle = 4.85f;  // from the middle plane to an engine's axis
 /// Sections below an exponent of 2 are pointed at their sides: the chines, which run from the nose
 /// to the wing.
 Object make_fuselage() {
-    //                     at      half width  bottom  chine  top   exponent
-    const Section keys[] = {{-16.2f, 0, 0, 0.25f, 0, 2},
-                            {-15.6f, 0.2f, 0.02f, 0.25f, 0.42f, 2},
-                            {-12.5f, 0.7f, -0.4f, 0.15f, 0.75f, 2},
-                            {-8, 0.95f, -0.65f, 0.05f, 0.95f, 1.9f},
-                            {-3, 1.5f, -0.75f, 0, 1, 1.4f},
-                            {0.5f, 2.15f, -0.75f, -0.05f, 1, 1.1f},
-                            {4, 2, -0.75f, -0.08f, 0.98f, 1.05f},
-                            {8, 1.75f, -0.72f, -0.1f, 0.95f, 1.05f},
-                            {10.3f, 1.55f, -0.65f, -0.1f, 0.95f, 1.05f},
-                            {11.5f, 1.4f, -0.6f, -0.1f, 1.05f, 1.05f},
-                            {12.6f, 1.15f, -0.52f, -0.1f, 0.62f, 1.15f},
-
-                            {14, 0.8f, -0.4f, -0.1f, 0.3f, 1.2f},
-                            {15.3f, 0.35f, -0.22f, -0.08f, 0.08f, 1.4f},
-                            {15.8f, 0, 0, -0.06f, 0, 1.4f}};
+    // at, half width, bottom, chine, top, exponent
+    const Section keys[] = {
+        {-16.2f, 0, 0, 0.25f, 0, 2},
+        {-15.6f, 0.2f, 0.02f, 0.25f, 0.42f, 2},
+        {-12.5f, 0.7f, -0.4f, 0.15f, 0.75f, 2},
+        {-8, 0.95f, -0.65f, 0.05f, 0.95f, 1.9f},
+        {-3, 1.5f, -0.75f, 0, 1, 1.4f},
+        {0.5f, 2.15f, -0.75f, -0.05f, 1, 1.1f},
+        {4, 2, -0.75f, -0.08f, 0.98f, 1.05f},
+        {8, 1.75f, -0.72f, -0.1f, 0.95f, 1.05f},
+        {10.3f, 1.55f, -0.65f, -0.1f, 0.95f, 1.05f},
+        {11.5f, 1.4f, -0.6f, -0.1f, 1.05f, 1.05f},
+        {12.6f, 1.15f, -0.52f, -0.1f, 0.62f, 1.15f},
+        {14, 0.8f, -0.4f, -0.1f, 0.3f, 1.2f},
+        {15.3f, 0.35f, -0.22f, -0.08f, 0.08f, 1.4f},
+        {15.8f, 0, 0, -0.06f, 0, 1.4f},
+    };
     Object fuselage = lofted(keys, 48, 33);
     set_groups(fuselage, {"skin", "canopy"}, [](const vec3& c) {
         return c.z > 11.2f && c.z < 12.5f && c.x * c.x < 0.2f && c.y > 0.4f ? 1u : 0u;
@@ -62,12 +63,10 @@ Object make_wing() {
     struct Station {
         float x, leading, trailing, half_thickness;
     };
-    const Station stations[] = {{0.6f, 2.6f, -12.9f, 0.2f},
-                                {3.4f, -1.6f, -12.3f, 0.18f},
-                                {6, -5.8f, -12.2f, 0.14f},
-                                {7.5f, -7.6f, -12, 0.09f},
-                                {8.47f, -9.7f, -11.2f, 0.04f}};
-
+    const Station stations[] = {
+        {0.6f, 2.6f, -12.9f, 0.2f}, {3.4f, -1.6f, -12.3f, 0.18f},  {6, -5.8f, -12.2f, 0.14f},
+        {7.5f, -7.6f, -12, 0.09f},  {8.47f, -9.7f, -11.2f, 0.04f},
+    };
     Object wing = make_box(9, 4, 1);
     // The box's cells are 9 along x, 4 along y, 1 along z: y becomes the chord, from back to front.
     for (vec3& p : wing.positions) {
@@ -84,7 +83,6 @@ Object make_wing() {
 
 /// Stands on a nacelle; its blade's z points up and its y forwards.
 Object make_fin() {
-    //                     at  half width   back    ridge     front
     constexpr uint32_t kSegments = 8;
     std::vector<Section> sections;
     for (uint32_t i = 0; i < kSegments; ++i) {
@@ -100,10 +98,12 @@ Object make_fin() {
 }
 
 Object make_nose() {
-    const Section keys[] = {{15.2f, 0.37f, -0.23f, -0.08f, 0.1f},
-                            {15.9f, 0.15f, -0.15f, -0.07f, 0.02f},
-                            {16.3f, 0.04f, -0.1f, -0.06f, -0.02f},
-                            {17.3f, 0, 0, -0.06f, 0}};
+    const Section keys[] = {
+        {15.2f, 0.37f, -0.23f, -0.08f, 0.1f},
+        {15.9f, 0.15f, -0.15f, -0.07f, 0.02f},
+        {16.3f, 0.04f, -0.1f, -0.06f, -0.02f},
+        {17.3f, 0, 0, -0.06f, 0},
+    };
     Object nose = bladed(keys, 4);
     set_normals(nose, 12);
     return nose;

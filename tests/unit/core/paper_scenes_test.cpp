@@ -154,8 +154,9 @@ TEST(Hind24, flies_24_instances_of_one_helicopter) {
 
 TEST(Hind24, keeps_rotors_clear_of_each_other) {
     const Scene scene = make_hind24();
+    const Scene flying = make_hind24_flying();
     float radius = 0.0f;
-    for (const vec3& p : make_hind24_flying().objects[1].positions) {
+    for (const vec3& p : flying.objects[1].positions) {
         radius = std::max(radius, std::hypot(p.x, p.z));
     }
     for (size_t i = 0; i < scene.instances.size(); ++i) {
