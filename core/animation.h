@@ -74,7 +74,14 @@ struct Animation {
 /// Throws: Error naming the node if a transform cannot be inverted at this time (a scale of 0).
 std::vector<Affine> instance_transforms(const Scene& scene, double time_s);
 
-/// A copy of the scene, its instances as they are at `time_s`; it keeps the animation.
+/// A copy of the scene, its instances as they are at `time_s`. It keeps the animation, so
+/// validate() refuses it where `time_s` is not at rest.
 Scene scene_at(const Scene& scene, double time_s);
+
+/// world_from_node of all nodes at rest, in double.
+std::vector<DAffine> rest_transforms(const Animation& animation);
+
+/// The rotation by a quaternion (x, y, z, w), which need not be of unit length; 1 for (0, 0, 0, 0).
+glm::dmat3 rotation_matrix(const glm::dvec4& quaternion);
 
 }  // namespace onepass
