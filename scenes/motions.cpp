@@ -1,8 +1,12 @@
+// Motions as keyframes: smooth paths through cubic splines, even turns through linear rotations.
 #include "scenes/motions.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -86,7 +90,147 @@ class Random {
     std::mt19937_64 engine_;
 };
 
+uint32_t find_instance(const Scene& scene, const std::string& name) {
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+        if (scene.instances[i].name == name) return i;
+    }
+    throw Error({"scene '" + scene.name + "'", "no instance '" + name + "'",
+                 "all instances that its motion is made for", "Name them as motions.h says."});
+}
+
+/// Sorts what was carried in the order of nodes by instance, as Animation asks for.
+void sort_carried(Animation& animation) {
+    std::sort(
+        animation.carried.begin(), animation.carried.end(),
+        [](const CarriedInstance& a, const CarriedInstance& b) { return a.instance < b.instance; });
+}
+
+// ---- A roundabout of balls ----
+
+/// The top of the flattened ball that is the floor, below or above (x, z).
+double floor_height(const Affine& floor, double x, double z) {
+    const double u = (x - floor[3].x) / floor[0].x;
+    const double v = (z - floor[3].z) / floor[2].z;
+    return floor[3].y + floor[1].y * std::sqrt(1.0 - u * u - v * v);
+}
+
+/// A ball's way round: from `start` about the pivot, at even speed, hopping.
+struct Round {
+    dvec3 start;
+    dvec3 pivot;
+    double radius = 0.0;  ///< of the ball
+    double turns = 0.0;   ///< in a loop
+    double hop_height = 0.0;
+    int hops = 0;  ///< in a loop
+
+    dvec3 at(double t, const Affine& floor) const {
+        const double angle = kTwoPi * turns * t / kLoop;
+        const dvec3 arm = start - pivot;
+        const double x = pivot.x + arm.x * std::cos(angle) + arm.z * std::sin(angle);
+        const double z = pivot.z - arm.x * std::sin(angle) + arm.z * std::cos(angle);
+        const double bounce = std::sin(0.5 * kTwoPi * hops * t / kLoop);
+        return dvec3(x, floor_height(floor, x, z) + radius + hop_height * bounce * bounce, z);
+    }
+};
+
+// ---- A squadron of helicopters ----
+
+struct Helicopter {
+    uint32_t hull = 0;
+    uint32_t main_rotor = 0;
+    uint32_t tail_rotor = 0;
+};
+
+std::vector<Helicopter> find_helicopters(const Scene& scene) {
+    const std::string prefix = "hull ";
+    std::vector<Helicopter> found;
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+        if (!scene.instances[i].name.starts_with(prefix)) continue;
+        const std::string number = scene.instances[i].name.substr(prefix.size());
+        found.push_back({i, find_instance(scene, "main rotor " + number),
+                         find_instance(scene, "tail rotor " + number)});
+    }
+    if (found.empty()) find_instance(scene, prefix + "NN");  // throws
+    return found;
+}
+
+/// Adds a rotor that turns about an axis of its own object, where the scene has placed it.
+void add_rotor(Scene& scene, uint32_t instance, uint32_t hull_node, const vec3& axis, int turns) {
+    const Instance& rotor = scene.instances[instance];
+    const uint32_t node = add_node(
+        scene.animation,
+        {.name = rotor.name, .parent = hull_node, .parent_from_base = rotor.world_from_object});
+    scene.animation.channels.push_back(steady_turn(node, axis, turns));
+    scene.animation.carried.push_back({instance, node, affine_identity()});
+}
+
 }  // namespace
+
+void orbiting_mirrors(Scene& scene) {
+    const Affine floor = scene.instances[find_instance(scene, "floor")].world_from_object;
+    const uint32_t red = find_instance(scene, "red");
+    const uint32_t left = find_instance(scene, "left mirror");
+    const uint32_t right = find_instance(scene, "right mirror");
+    const dvec3 pivot = 0.5 * (dvec3(scene.instances[left].world_from_object[3]) +
+                               dvec3(scene.instances[right].world_from_object[3]));
+    constexpr double kHopHeight = 0.5;
+    constexpr int kKeys = 24;  // splines then leave a circle by 1e-5 of its radius
+
+    Animation& animation = scene.animation;
+    animation.name = "orbiting mirrors";
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& ball = scene.instances[i];
+        if (ball.name == "floor") continue;
+        const vec3 start = ball.world_from_object[3];
+        const bool is_mirror = i == left || i == right;
+        const Round round{.start = dvec3(start),
+                          .pivot = pivot,
+                          .radius = ball.world_from_object[1].y,
+                          .turns = i == red ? 0.0 : 1.0,
+                          .hop_height = is_mirror ? 0.0 : kHopHeight,
+                          .hops = 2 + static_cast<int>(i % 2)};
+        const uint32_t node = add_node(animation, {.name = ball.name,
+                                                   .parent = kNoId,
+                                                   .parent_from_base = affine_identity(),
+                                                   .translation = start});
+        animation.channels.push_back(
+            smooth_path(node, start, kKeys, [&](double t) { return round.at(t, floor); }));
+        Affine node_from_object = ball.world_from_object;
+        node_from_object[3] = vec3(0.0f);
+        animation.carried.push_back({i, node, node_from_object});
+    }
+}
+
+void turning_rotors(Scene& scene) {
+    constexpr int kMainTurns = 4;  // in a loop; few enough that 24 frames a second show the sense
+    constexpr int kTailTurns = 6;
+    constexpr double kBob = 0.03;  // of the distance between the rotors
+    constexpr double kAdvance = 0.1;
+    constexpr double kGoldenAngle = 2.39996;  // radians: no two helicopters move alike
+
+    scene.animation.name = "turning rotors";
+    const std::vector<Helicopter> helicopters = find_helicopters(scene);
+    for (size_t h = 0; h < helicopters.size(); ++h) {
+        const auto& [hull, main_rotor, tail_rotor] = helicopters[h];
+        const dvec3 forward(scene.instances[main_rotor].world_from_object[3] -
+                            scene.instances[tail_rotor].world_from_object[3]);
+        const double length = glm::length(forward);
+        const double phase = kGoldenAngle * static_cast<double>(h);
+        const auto drift = [&](double t) {
+            const double angle = kTwoPi * t / kLoop;
+            const double advance = kAdvance * (std::sin(angle + phase) - std::sin(phase));
+            const double bob = kBob * length * (std::sin(angle - phase) + std::sin(phase));
+            return forward * advance + dvec3(0.0, bob, 0.0);
+        };
+        const uint32_t node =
+            add_node(scene.animation, {.name = "helicopter of " + scene.instances[hull].name});
+        scene.animation.channels.push_back(smooth_path(node, vec3(0.0f), 8, drift));
+        scene.animation.carried.push_back({hull, node, scene.instances[hull].world_from_object});
+        add_rotor(scene, main_rotor, node, vec3(0, 1, 0), kMainTurns);
+        add_rotor(scene, tail_rotor, node, vec3(1, 0, 0), kTailTurns);
+    }
+    sort_carried(scene.animation);
+}
 
 Scene make_swarm(uint32_t instances, uint64_t seed) {
     ONEPASS_CHECK_LT(0u, instances);

@@ -25,6 +25,7 @@ const std::vector<SceneInfo>& builtin_scenes();
 LoadedScene load_scene(const std::string& name_or_path);
 
 /// balls-1, a stand-in with the paper's counts: 10 instances of a 40 x 40 sphere, 2 lights.
+/// Moves as orbiting_mirrors() says.
 Scene make_balls_1();
 /// Rotated, non-uniformly scaled, sheared and mirrored instances of several objects.
 Scene make_instances();
