@@ -1,7 +1,9 @@
 // The glTF 2.0 reader. tinygltf parses JSON and buffers; everything it hands over is checked here.
 //
 // A mesh of the file becomes an object, unless an earlier mesh uses the same accessors (that is how
-// the writer says "the same object, other materials"); a node with a mesh becomes an instance.
+// the writer says "the same object, other materials"); a node with a mesh becomes an instance; a
+// node that the first animation moves becomes an animated node, with what stands still up to the
+// next one above it as its base.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -52,10 +54,10 @@ struct Importer {
     std::vector<ImportedMesh> meshes;
     std::vector<PlacedLight> lights;
     std::vector<bool> is_animated;  ///< one a node of the file
-    std::vector<uint32_t>
-        animated_nodes;  ///< one a node of the file: of Animation::nodes, or kNoId
-    std::vector<CarriedInstance>
-        placed_by_carrier;                   ///< those whose place at rest is to be computed
+    /// One a node of the file: its place in Animation::nodes, or kNoId.
+    std::vector<uint32_t> animated_nodes;
+    /// Those whose place at rest is to be computed.
+    std::vector<CarriedInstance> placed_by_carrier;
     std::vector<uint32_t> stated_nodes;      ///< see stated_place; one an animated node
     std::vector<uint32_t> stated_instances;  ///< likewise; one an instance
     std::optional<uint32_t> default_material;
@@ -438,7 +440,7 @@ uint32_t stated_place(const tinygltf::Node& node, const char* key) {
     return static_cast<uint32_t>(extras->Get(key).GetNumberAsInt());
 }
 
-/// The node's place in Animation::nodes, whose parent is `carrier`; matters only at rest as yet.
+/// The node's place in Animation::nodes, whose parent is the carrier's.
 uint32_t add_animated_node(Importer& in, const tinygltf::Node& node, const Carrier& carrier,
                            const std::string& where) {
     if (!node.matrix.empty()) {
