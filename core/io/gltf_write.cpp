@@ -4,8 +4,8 @@
 // of one of those and differ in materials only, because glTF puts materials on primitives. Numbers
 // survive JSON because a float becomes a double exactly, and the shortest text of a double reads
 // back as that double. Sheared instances are written as `matrix` too, although glTF asks for
-// matrices that decompose into translation, rotation and scale. In an animated scene nodes state the
-// places of their instances and animated nodes, because a tree has an order of its own.
+// matrices that decompose into translation, rotation and scale. In an animated scene nodes state
+// the places of their instances and animated nodes, because a tree has an order of its own.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
