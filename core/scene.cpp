@@ -340,6 +340,7 @@ void validate(const Scene& scene) {
     }
     for (size_t i = 0; i < scene.instances.size(); ++i) check_instance(scene, i);
     check_extent(scene);
+    check_animation(scene);
 
     for (size_t i = 0; i < scene.lights.size(); ++i) check_light(scene.lights[i], i);
     for (size_t i = 0; i < scene.cameras.size(); ++i) check_camera(scene.cameras[i], i);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "scenes/describe.h"
+#include "scenes/motions.h"
 #include "scenes/scenes.h"
 #include "scenes/shapes.h"
 
@@ -55,6 +56,7 @@ Scene make_balls_1() {
     scene.lights = {light("key", vec3(5, 9, 7), vec3(0.75f, 0.73f, 0.68f)),
                     light("fill", vec3(-7, 6, 4), vec3(0.32f, 0.35f, 0.42f))};
     scene.cameras = {camera(vec3(0.2f, 3.9f, 10.8f), vec3(0, 0.75f, -0.3f))};
+    orbiting_mirrors(scene);
     return scene;
 }
 

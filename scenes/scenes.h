@@ -38,6 +38,7 @@ inline constexpr const char* kStandInNote =
 // lights.
 
 /// Balls-1, 31,200 / 10 / 2: instances of a 40 x 40 sphere; two are mirrors that see each other.
+/// Moves as orbiting_mirrors() says.
 Scene make_balls_1();
 /// Chair_wood, 33,404 / 11 / 1: a turned wooden chair on a floor.
 Scene make_chair_wood();

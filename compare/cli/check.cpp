@@ -1,6 +1,7 @@
 // onepass check: every strategy against the oracle, ray by ray and pixel by pixel.
 #include <cmath>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,7 @@
 #include "compare/cli/pictures.h"
 #include "compare/cli/progress_bar.h"
 #include "compare/cli/table.h"
+#include "compare/frames.h"
 #include "compare/images.h"
 #include "compare/manifest.h"
 #include "core/error.h"
@@ -23,6 +25,8 @@ struct CheckCommand {
     RayOptions rays{{"primary", "random"}, "512x512", 0};
     std::vector<std::string> allow;
     bool image = true;
+    std::string frames;  ///< empty: the scenes at rest
+    double fps = 24.0;
     std::string json;
     std::string pictures;
 };
@@ -175,9 +179,24 @@ struct CheckRun {
         results.images.push_back(std::move(record));
     }
 
-    void check_scene(const std::string& name, const Progress& progress) {
-        // The truth, once.
+    /// All frames of a scene that moves, each as a scene of its own.
+    void check_frames(const std::string& name, const Progress& progress) {
+        const FrameRange range = parse_frames(options.frames);
+        const auto count = static_cast<double>(range.count());
+        for (uint64_t k = 0; k < range.count() && !stopped; ++k) {
+            const double begin = static_cast<double>(k) / count;
+            check_scene(name, range.first + static_cast<uint32_t>(k),
+                        [&](double done) { return go_on(progress, begin + done / count); });
+        }
+    }
+
+    void check_scene(const std::string& name, std::optional<uint32_t> frame,
+                     const Progress& progress) {
+        // The truth, once. Tracers are made at rest, and moved to the frame.
         Court court = open_court(session, name);
+        const ScenePtr at_rest = court.open.scene;
+        const std::vector<Affine> transforms =
+            frame ? move_to_frame(court, *frame, options.fps) : std::vector<Affine>();
         results.manifest.judge = court.judge->name();
         results.scenes.push_back(court.open.record);
         std::vector<Case> cases;
@@ -193,8 +212,10 @@ struct CheckRun {
         // Every strategy.
         for (size_t s = 0; s < selected.size() && !stopped; ++s) {
             const auto& [entry, params] = selected[s];
-            const std::unique_ptr<Tracer> tracer = entry->make(court.open.scene, params);
-            results.tracers.push_back(make_tracer_record(name, *tracer, entry->info, params));
+            const std::unique_ptr<Tracer> tracer = entry->make(at_rest, params);
+            if (frame) tracer->update(transforms);
+            results.tracers.push_back(
+                make_tracer_record(court.open.name, *tracer, entry->info, params));
             for (const Case& subject : cases) check_hits_of(court, subject, *tracer);
             if (options.image && tracer->capabilities().render) {
                 check_image_of(court, truth, *tracer);
@@ -252,7 +273,12 @@ void run(Session& session, const CheckCommand& options) {
         const double scenes = static_cast<double>(options.scenes.size());
         for (size_t i = 0; i < options.scenes.size() && !check.stopped; ++i) {
             const double begin = static_cast<double>(i) / scenes;
-            check.check_scene(options.scenes[i], bar.part(begin, begin + 1.0 / scenes));
+            const Progress part = bar.part(begin, begin + 1.0 / scenes);
+            if (options.frames.empty()) {
+                check.check_scene(options.scenes[i], {}, part);
+            } else {
+                check.check_frames(options.scenes[i], part);
+            }
         }
     }
     check.print();
@@ -280,6 +306,15 @@ void add_check(CLI::App& app, Session& session) {
         ->allow_extra_args(false);
     command->add_flag("--image,!--no-image", options->image,
                       "Also compares the rendered image with Embree's (default: yes)");
+    CLI::Option* frames =
+        command->add_option("--frames", options->frames,
+                            "Checks these frames of a moving scene, each as a scene of its own, "
+                            "instead of the scene at rest; see render --frames");
+    frames->type_name("A..B");
+    command->add_option("--fps", options->fps, "Frames a second")
+        ->check(CLI::PositiveNumber)
+        ->needs(frames)
+        ->capture_default_str();
     command->add_option("--json", options->json, "Writes the results; '-' is standard output")
         ->type_name("FILE");
     command

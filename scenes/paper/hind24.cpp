@@ -11,6 +11,7 @@
 
 #include "scenes/describe.h"
 #include "scenes/modelling.h"
+#include "scenes/motions.h"
 #include "scenes/scenes.h"
 
 namespace onepass {
@@ -254,6 +255,7 @@ Scene make_hind24_flying() {
         add(main_rotor, place + kMainRotor);
         add(tail_rotor, place + kTailRotor);
     }
+    turning_rotors(scene);
     return scene;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/wait.h>
@@ -199,6 +200,141 @@ TEST(Render, writes_one_file_of_named_channels) {
     const std::string bytes = read_bytes(folder.path() / "a.npy");
     EXPECT_NE(bytes.find("('prim_id', '<u4')"), std::string::npos);
     EXPECT_NE(bytes.find("(16, 32)"), std::string::npos);
+}
+
+// ---- Frames of an animation ----
+
+/// Strategies that `render --frames` must move as Embree does.
+const char* const kMovingStrategies[] = {"embree/fast/threads"};
+
+class RenderFrames : public testing::TestWithParam<const char*> {
+  protected:
+    std::vector<std::string> render(const std::vector<std::string>& more) const {
+        return with({"render", "balls-1", "-s", GetParam(), "--size", "48x32"}, more);
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Strategies, RenderFrames, testing::ValuesIn(kMovingStrategies));
+
+size_t count_of(const std::string& text, const std::string& part) {
+    size_t count = 0;
+    for (size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++count;
+    return count;
+}
+
+TEST_P(RenderFrames, agree_with_embree_and_build_their_objects_once) {
+    const TemporaryFolder folder;
+    const Outcome outcome = onepass_in(
+        folder, render({"--frames", "0..4", "--fps", "3", "-o", "f.%02d.npy", "--json", "r.json"}));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err << outcome.out;
+    EXPECT_EQ(leftovers(folder), (std::vector<std::string>{"f.00.npy", "f.01.npy", "f.02.npy",
+                                                           "f.03.npy", "f.04.npy", "r.json"}));
+    EXPECT_EQ(count_of(outcome.out, " agrees\n"), 5u) << outcome.out;
+    EXPECT_NE(outcome.out.find("5 of 5 frames agree"), std::string::npos) << outcome.out;
+
+    const Results results = read_results(folder.path() / "r.json");
+    ASSERT_EQ(results.images.size(), 5u);
+    ASSERT_EQ(results.checks.size(), 5u);
+    EXPECT_EQ(results.images[4].scene, "balls-1, frame 4");
+    EXPECT_EQ(results.checks[4].ray_count, 48u * 32u);
+    std::vector<double> builds;
+    for (const TracerRecord& tracer : results.tracers) {
+        for (const Stat& stat : tracer.stats) {
+            if (stat.name == "object_builds" || stat.name == "top_builds") {
+                builds.push_back(stat.value);
+            }
+        }
+    }
+    EXPECT_EQ(builds, (std::vector<double>{1, 6, 1, 6})) << "one object; one top level a frame";
+}
+
+TEST_P(RenderFrames, move_and_loop_and_start_at_the_still_image) {
+    const TemporaryFolder folder;
+    // Two frames a second, in a loop of 2 s: frames 0 and 4 are one.
+    ASSERT_EQ(
+        onepass_in(folder, render({"--frames", "0..4", "--fps", "2", "--no-check", "-o", "%d.npy"}))
+            .exit_code,
+        0);
+    ASSERT_EQ(onepass_in(folder, render({"-o", "still.npy"})).exit_code, 0);
+    const auto frame = [&](const std::string& name) {
+        return read_bytes(folder.path() / (name + ".npy"));
+    };
+    EXPECT_TRUE(frame("0") == frame("still"));
+    EXPECT_TRUE(frame("0") == frame("4"));
+    EXPECT_FALSE(frame("0") == frame("1"));
+    EXPECT_FALSE(frame("1") == frame("3"));
+}
+
+TEST_P(RenderFrames, resumed_leave_whole_files_alone) {
+    const TemporaryFolder folder;
+    folder.write("1.npy", "kept");
+    const Outcome outcome =
+        onepass_in(folder, render({"--frames", "0..2", "--resume", "-o", "%d.npy"}));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(read_bytes(folder.path() / "1.npy"), "kept");
+    EXPECT_NE(outcome.out.find("1 frames were there already"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("2 of 2 frames agree"), std::string::npos) << outcome.out;
+    EXPECT_EQ(leftovers(folder), (std::vector<std::string>{"0.npy", "1.npy", "2.npy"}));
+
+    ASSERT_EQ(onepass_in(folder, render({"--frames", "0..2", "-o", "%d.npy"})).exit_code, 0);
+    EXPECT_NE(read_bytes(folder.path() / "1.npy"), "kept") << "done anew without --resume";
+}
+
+TEST_P(RenderFrames, end_after_a_whole_frame_when_interrupted) {
+    const TemporaryFolder folder;
+    const pid_t child =
+        start(folder, render({"--frames", "0..9999999", "-o", "%d.npy", "--json", "r.json"}));
+    const auto third = folder.path() / "2.npy";
+    for (int k = 0; k < 6000 && !std::filesystem::exists(third); ++k) usleep(10000);  // a minute
+    kill(child, SIGINT);
+    const Outcome outcome = finish(folder, child);
+    EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+    const Results results = read_results(folder.path() / "r.json");
+    EXPECT_FALSE(results.manifest.complete);
+    EXPECT_EQ(leftovers(folder).size(), results.images.size() + 1)
+        << "a file a frame, and the JSON";
+    EXPECT_GE(results.images.size(), 3u);
+    const auto size = std::filesystem::file_size(folder.path() / "0.npy");
+    for (size_t k = 0; k < results.images.size(); ++k) {
+        EXPECT_EQ(std::filesystem::file_size(folder.path() / fmt::format("{}.npy", k)), size);
+    }
+}
+
+TEST(RenderFramesOptions, are_refused_before_anything_is_rendered) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> render = {"render", "balls-1", "-s", "embree", "--size", "8x8"};
+    const auto frames = [&](const std::vector<std::string>& more) {
+        return with(with(render, {"--frames", "0..3"}), more);
+    };
+    for (const char* pattern : {"a.npy", "a.%d.%d.npy", "a.%5d.npy", "a.%x.npy", "a.%"}) {
+        expect_refused(folder, frames({"-o", pattern}), "%04d");
+    }
+    expect_refused(folder, frames({"-o", "a.%d.jpeg"}), ".jpeg");
+    expect_refused(folder, frames({"-o", "missing/a.%d.npy"}), "missing");
+    for (const char* range : {"3..2", "a..b", "1..", "..", "0..99999999999"}) {
+        expect_refused(folder, with(render, {"--frames", range, "-o", "%d.npy"}), "A..B");
+    }
+    expect_refused(folder, frames({"--fps", "0", "-o", "%d.npy"}), "--fps");
+    expect_refused(folder, with(render, {"--resume", "-o", "a.npy"}), "--frames");
+    expect_refused(folder,
+                   {"render", "instances", "-s", "embree", "--frames", "0..3", "-o", "%d.npy"},
+                   "nothing moves");
+    expect_refused(folder, {"check", "instances", "-s", "embree/fast", "--frames", "0..3"},
+                   "nothing moves");
+}
+
+TEST(CheckFrames, takes_each_frame_as_a_scene_of_its_own) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        onepass_in(folder, {"check", "balls-1", "-s", "embree/fast", "--size", "32x32", "--frames",
+                            "5..6", "--rays", "primary", "--rays", "random", "--json", "r.json"});
+    EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 1) << outcome.err;
+    const Results results = read_results(folder.path() / "r.json");
+    ASSERT_EQ(results.checks.size(), 4u);
+    EXPECT_EQ(results.checks[0].scene, "balls-1, frame 5");
+    EXPECT_EQ(results.checks[3].scene, "balls-1, frame 6");
+    EXPECT_NE(results.scenes[0].hash, "");
+    for (const CheckRecord& check : results.checks) EXPECT_EQ(check.errors(), 0u) << check.scene;
+    EXPECT_NE(outcome.out.find("balls-1, frame 6, primary rays"), std::string::npos) << outcome.out;
 }
 
 TEST(Check, prints_every_class_and_writes_results) {
