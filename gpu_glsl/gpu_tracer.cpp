@@ -1,6 +1,7 @@
 #include "gpu_glsl/gpu_tracer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <map>
 #include <optional>
@@ -72,6 +73,11 @@ gl::Texture upload_texture(const TextureData& texture) {
                           texture.texels);
 }
 
+double ms_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
+        .count();
+}
+
 /// A ray that no structure answers: it ends before it begins. Fills the last row of a chunk.
 constexpr Ray kPaddingRay{.org = vec3(0.0f), .tmin = 0.0f, .dir = vec3(0, 0, 1), .tmax = -1.0f};
 
@@ -117,11 +123,10 @@ class GpuTracer final : public Tracer {
           library_(library),
           context_(context),
           glsl_version_(glsl_version_for(prepared_.info, entry, context.description().gl)) {
-        for (TextureData& texture : prepared_.inputs.textures) {
+        for (const TextureData& texture : prepared_.inputs.textures) {
             textures_.push_back(upload_texture(texture));
-            // The device has it now: give the memory back.
-            texture.texels = {};
         }
+        give_texels_back();
         cast_program(false);
     }
 
@@ -165,8 +170,29 @@ class GpuTracer final : public Tracer {
         return result;
     }
 
-    UpdateTimes update(std::span<const Affine>) override {
-        throw Error({name_, "an update", "a tracer that moves instances", "Make a new tracer."});
+    UpdateTimes update(std::span<const Affine> world_from_object) override {
+        const auto start = std::chrono::steady_clock::now();
+        TopLevelMove move = plan_move(prepared_, world_from_object);
+        UpdateTimes times;
+        times.update_ms = ms_since(start);
+
+        // New textures first: the device may not hold them, and nothing has changed yet.
+        std::vector<gl::Texture> remade;
+        const auto upload = [&] {
+            for (const TextureData& texture : move.changes.remade) {
+                remade.push_back(upload_texture(texture));
+            }
+            for (const TexelBox& box : move.changes.boxes) {
+                gl::update_region(texture_named(box.texture), box.corner, box.size, box.texels);
+            }
+        };
+        times.upload_ms = gl::finish_and_time(context_, upload).wall_ms;
+
+        for (gl::Texture& texture : remade) texture_named(texture.name()) = std::move(texture);
+        commit_move(prepared_, std::move(move));
+        give_texels_back();
+        for_each_program([this](gl::Program& program) { bind_inputs(program); });
+        return times;
     }
 
     Frame render(const Camera& camera, const RenderSettings& settings) override {
@@ -197,6 +223,18 @@ class GpuTracer final : public Tracer {
         return rays;
     }
 
+    /// The device has them now.
+    void give_texels_back() {
+        for (TextureData& texture : prepared_.inputs.textures) texture.texels = {};
+    }
+
+    gl::Texture& texture_named(const std::string& name) {
+        const auto found = std::find_if(textures_.begin(), textures_.end(),
+                                        [&](const gl::Texture& t) { return t.name() == name; });
+        ONEPASS_CHECK(found != textures_.end());
+        return *found;
+    }
+
     // ---- Programs: one a variant ---------------------------------------------------------------
 
     gl::Program make_program(bool cast, std::vector<gl::ShaderConstant> constants,
@@ -215,6 +253,11 @@ class GpuTracer final : public Tracer {
                                                .constants = {}}));
         }
         gl::Program program(name_, stages);
+        bind_inputs(program);
+        return program;
+    }
+
+    void bind_inputs(gl::Program& program) {
         // A variant drops the textures and uniforms that it does not need.
         for (const gl::Texture& texture : textures_) {
             program.set_texture(texture.name(), texture, gl::Missing::allowed);
@@ -226,7 +269,14 @@ class GpuTracer final : public Tracer {
                 },
                 uniform.value);
         }
-        return program;
+    }
+
+    template <class F>
+    void for_each_program(const F& f) {
+        for (std::optional<gl::Program>& program : cast_programs_) {
+            if (program) f(*program);
+        }
+        for (RenderVariant& variant : render_programs_) f(variant.program);
     }
 
     gl::Program& cast_program(bool counters) {

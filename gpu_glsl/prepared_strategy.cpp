@@ -104,17 +104,29 @@ void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
                      "The default is 256."});
     }
 
-    const TwoLevelGrid grid = build_two_level_grid(*prepared.scene, sizing);
+    // Only a scene that moves pays for the room and for the grids that are kept.
+    const bool moves = !prepared.scene->animation.empty();
+    const TwoLevelTexturesOptions options{
+        .address = address_width(params),
+        .cell_texture_limit = static_cast<uint32_t>(std::min(atlas, 65536L)),
+        .limits = limits,
+        .moving = moves};
+    const uint64_t built_before = triangle_grids_built();
+    TwoLevelGrid grid = build_two_level_grid(*prepared.scene, sizing);
+    const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
     const auto start = std::chrono::steady_clock::now();
-    TwoLevelTextures packed = pack_two_level_textures(
-        *prepared.scene, grid,
-        {.address = address_width(params),
-         .cell_texture_limit = static_cast<uint32_t>(std::min(atlas, 65536L)),
-         .limits = limits});
+    TwoLevelTextures packed = pack_two_level_textures(*prepared.scene, grid, options);
     prepared.stats = {{"build_ms", grid.build_ms, "both levels, all threads"},
-                      {"pack_ms", ms_since(start), ""}};
+                      {"pack_ms", ms_since(start), ""},
+                      {"object_builds", object_builds, "object grids built so far"},
+                      {"top_builds", 1.0, "top-level grids built so far"},
+                      {"repacks", 0.0, "times the top level outgrew its room"}};
     std::move(packed.stats.begin(), packed.stats.end(), std::back_inserter(prepared.stats));
     prepared.inputs.append(std::move(packed.inputs));
+    if (moves) {
+        prepared.moving = std::make_unique<MovingTopLevel>(
+            prepared.scene, std::move(grid), sizing.top, std::move(packed.places), options);
+    }
 }
 
 // ---- All structures and storages ---------------------------------------------------------------
@@ -138,6 +150,13 @@ const Packing& find_packing(const gl::StrategyInfo& info, const std::string& sto
     throw Error({info.file, fmt::format("structure '{}' in storage '{}'", info.structure, storage),
                  "a pair that gpu_glsl/prepared_strategy.cpp knows how to pack",
                  "Add its builder and packing to kPackings there."});
+}
+
+Stat& find_stat(std::vector<Stat>& stats, const std::string& name) {
+    const auto found =
+        std::find_if(stats.begin(), stats.end(), [&](const Stat& s) { return s.name == name; });
+    ONEPASS_CHECK(found != stats.end());
+    return *found;
 }
 
 gl::ShaderConstant param_constant(const ParamInfo& info, const Params& params) {
@@ -194,7 +213,8 @@ PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::strin
                               .params = Params(info.name, strategy_params(info, storage), values),
                               .inputs = {},
                               .param_constants = {},
-                              .stats = {}};
+                              .stats = {},
+                              .moving = nullptr};
     for (const ParamInfo& param : info.params) {
         prepared.param_constants.push_back(param_constant(param, prepared.params));
     }
@@ -205,6 +225,39 @@ PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::strin
     prepared.stats.push_back(
         {"device_bytes", structure_bytes, "structure, without shading tables"});
     return prepared;
+}
+
+TopLevelMove plan_move(const PreparedStrategy& prepared,
+                       std::span<const Affine> world_from_object) {
+    if (!prepared.moving) {
+        const bool moves = !prepared.scene->animation.empty();
+        throw Error(
+            {fmt::format("moving instances with {}/{}", prepared.info.name, prepared.storage),
+             moves ? "a storage that is packed once and for all"
+                   : "a tracer of a scene without an animation",
+             moves ? "one that can be packed again in part" : "a scene whose instances move",
+             "Make a new tracer of the moved scene."});
+    }
+    const uint64_t built_before = triangle_grids_built();
+    TopLevelMove move = prepared.moving->plan(world_from_object);
+    const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
+    move.counts = {{"object_builds", object_builds, ""},
+                   {"top_builds", 1.0, ""},
+                   {"repacks", move.repacked ? 1.0 : 0.0, ""}};
+    return move;
+}
+
+void commit_move(PreparedStrategy& prepared, TopLevelMove move) {
+    prepared.moving->commit(move);
+    prepared.inputs.apply(std::move(move.changes));
+    for (const Stat& count : move.counts) {
+        find_stat(prepared.stats, count.name).value += count.value;
+    }
+    for (Stat& stat : move.stats) {
+        Stat& own = find_stat(prepared.stats, stat.name);
+        own.value = stat.value;
+        if (!stat.note.empty()) own.note = std::move(stat.note);
+    }
 }
 
 }  // namespace onepass
