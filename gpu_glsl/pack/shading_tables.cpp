@@ -1,6 +1,8 @@
 #include "gpu_glsl/pack/shading_tables.h"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/shading.h"
@@ -71,24 +73,33 @@ TextureData pack_shading_instances(const Scene& scene, std::span<const Affine> o
         first_triangle.push_back(triangles);
         triangles += object.triangles.size();
     }
+    std::vector<uint64_t> first_material;
+    uint64_t materials = 0;
+    for (const Instance& instance : scene.instances) {
+        first_material.push_back(materials);
+        materials += instance.materials.size();
+    }
+
     TextureData texture =
         make_record_texture("shading_instances", "instances", scene.instances.size(),
                             kShadingInstanceTexels, limits.max_2d);
-    uint64_t material_record = 0;
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-        const Instance& instance = scene.instances[i];
-        const Affine& m = object_from_world[i];
-        const uvec2 at = record_texel(texture, i, kShadingInstanceTexels);
-        for (int row = 0; row < 3; ++row) {
-            put(texture, right(at, static_cast<uint32_t>(row)),
-                vec3(m[0][row], m[1][row], m[2][row]), 0.0f);
-        }
-        put(texture, right(at, 3),
-            vec3(index_as_float(first_triangle[instance.object], "triangle"),
-                 index_as_float(material_record, "material"), 0.0f),
-            0.0f);
-        material_record += instance.materials.size();
-    }
+    constexpr size_t kInstancesATask = 1024;
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, scene.instances.size(), kInstancesATask),
+                      [&](const auto& range) {
+                          for (size_t i = range.begin(); i != range.end(); ++i) {
+                              const Affine& m = object_from_world[i];
+                              const uvec2 at = record_texel(texture, i, kShadingInstanceTexels);
+                              for (int row = 0; row < 3; ++row) {
+                                  put(texture, right(at, static_cast<uint32_t>(row)),
+                                      vec3(m[0][row], m[1][row], m[2][row]), 0.0f);
+                              }
+                              const uint64_t triangle = first_triangle[scene.instances[i].object];
+                              put(texture, right(at, 3),
+                                  vec3(index_as_float(triangle, "triangle"),
+                                       index_as_float(first_material[i], "material"), 0.0f),
+                                  0.0f);
+                          }
+                      });
     return texture;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/grid/uniform_grid.h"
+#include "gpu_glsl/prepared_strategy.h"
 #include "scenes/motions.h"
 #include "tests/support/strategy_fixture.h"
 
@@ -125,6 +126,8 @@ TEST_F(Moving, an_updated_tracer_answers_like_a_new_one_at_every_frame) {
     ASSERT_NE(frames[0], frames[1]);
     follow(swarm, frames, {});
     follow(swarm, frames, {{"clip_to_cell", "0"}, {"accumulate_ts", "0"}, {"address", "float"}});
+    // The object's grid takes 3 of 4 blocks on each axis: the top level lies between.
+    follow(swarm, frames, {{"density", "200"}, {"top_density", "20"}});
 }
 
 TEST_F(Moving, several_objects_keep_their_places_while_the_top_level_changes) {
@@ -164,6 +167,45 @@ TEST_F(Moving, a_top_level_that_outgrows_its_room_is_packed_into_more_and_stays_
         for (const Transforms& again : {compact, line, huge}) tracer->update(again);
         EXPECT_EQ(stat(*tracer, "repacks"), 2.0) << entry << ": there is room by now";
         EXPECT_EQ(stat(*tracer, "object_builds"), object_builds) << entry;
+    }
+}
+
+PreparedStrategy prepare_paper(const ScenePtr& scene, const ParamValues& params) {
+    for (const gl::StrategyInfo& info : gl::ShaderLibrary::embedded().strategies()) {
+        if (info.name == "paper") return prepare_strategy(info, "texture2d", scene, params, {});
+    }
+    throw std::runtime_error("no paper strategy");
+}
+
+/// Where the grids lie in the cell texture, in cells: lower ends of their boxes, then upper ones.
+std::vector<vec3> places_of_grids(const ShaderInputs& inputs, size_t grid_count) {
+    const TextureData& grids = inputs.texture("grids");
+    const vec3 size(inputs.texture("cells").size);
+    std::vector<vec3> places;
+    for (const size_t texel : {2, 3}) {
+        for (size_t k = 0; k < grid_count; ++k) {
+            const float* at = &grids.texels[4 * (4 * k + texel)];
+            places.push_back(vec3(at[0], at[1], at[2]) * size);
+        }
+    }
+    return places;
+}
+
+TEST(MovingTopLevel, lies_where_a_new_packing_puts_it_whatever_lay_there_before) {
+    const Scene swarm = make_swarm(60, 5);
+    const Transforms compact = transforms_of(swarm);
+    const Transforms line = in_a_line(swarm);
+    // Small objects, which the top level lies beside; a large one with free blocks around it.
+    for (const char* density : {"5", "200"}) {
+        const ParamValues params = {{"density", density}, {"top_density", "20"}};
+        PreparedStrategy updated = prepare_paper(share(swarm), params);
+        for (const Transforms& place : {compact, line, compact, line}) {
+            commit_move(updated, plan_move(updated, place));
+            const PreparedStrategy fresh = prepare_paper(moved(swarm, place), params);
+            const size_t grids = 1 + swarm.objects.size();
+            EXPECT_EQ(places_of_grids(updated.inputs, grids), places_of_grids(fresh.inputs, grids))
+                << "density " << density;
+        }
     }
 }
 
