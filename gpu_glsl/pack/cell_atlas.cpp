@@ -81,7 +81,7 @@ TopPlace place_top_grid(const ObjectPlaces& objects, uvec3 dims, uint32_t limit)
         return {*free * uvec3(kBlockCells), objects.size};
     }
     std::optional<TopPlace> best;
-    for (const int axis : {2, 1, 0}) {
+    for (const int axis : {0, 1, 2}) {
         uvec3 corner(0);
         corner[axis] = objects.used[axis];
         uvec3 size = objects.size;

@@ -55,14 +55,14 @@ TEST(CellAtlas, uses_what_the_objects_leave_before_it_grows) {
     const ObjectPlaces places = place_object_grids(objects, kLimit);
     EXPECT_EQ(places.size, uvec3(64));
     EXPECT_EQ(place_top_grid(places, uvec3(16), kLimit).size, uvec3(64));
-    EXPECT_EQ(place_top_grid(places, uvec3(20, 17, 17), kLimit).size, uvec3(64, 64, 128));
+    EXPECT_EQ(place_top_grid(places, uvec3(20, 17, 17), kLimit).size, uvec3(128, 64, 64));
 }
 
 TEST(CellAtlas, goes_beside_the_objects_where_above_them_there_is_no_room) {
     const std::vector<UniformGrid> objects = {empty_grid(uvec3(64))};
     const ObjectPlaces places = place_object_grids(objects, kLimit);
     EXPECT_EQ(place_top_grid(places, uvec3(16, 16, 192), kLimit).size, uvec3(64, 64, 256));
-    EXPECT_EQ(place_top_grid(places, uvec3(16, 16, 208), kLimit).size, uvec3(64, 128, 256));
+    EXPECT_EQ(place_top_grid(places, uvec3(16, 16, 208), kLimit).size, uvec3(128, 64, 256));
 }
 
 TEST(CellAtlas, refuses_a_top_level_that_does_not_fit_beside_the_objects) {
