@@ -73,11 +73,6 @@ gl::Texture upload_texture(const TextureData& texture) {
                           texture.texels);
 }
 
-double ms_since(std::chrono::steady_clock::time_point start) {
-    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
-        .count();
-}
-
 /// A ray that no structure answers: it ends before it begins. Fills the last row of a chunk.
 constexpr Ray kPaddingRay{.org = vec3(0.0f), .tmin = 0.0f, .dir = vec3(0, 0, 1), .tmax = -1.0f};
 
@@ -173,8 +168,10 @@ class GpuTracer final : public Tracer {
     UpdateTimes update(std::span<const Affine> world_from_object) override {
         const auto start = std::chrono::steady_clock::now();
         TopLevelMove move = plan_move(prepared_, world_from_object);
+        const std::chrono::duration<double, std::milli> planning =
+            std::chrono::steady_clock::now() - start;
         UpdateTimes times;
-        times.update_ms = ms_since(start);
+        times.update_ms = planning.count();
 
         // New textures first: the device may not hold them, and nothing has changed yet.
         std::vector<gl::Texture> remade;
