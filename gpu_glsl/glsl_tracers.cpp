@@ -26,7 +26,7 @@ TracerInfo tracer_info(const gl::StrategyInfo& info, const std::string& storage,
             .summary = info.summary + ", " + how,
             .source = info.source,
             .params = strategy_params(info, storage),
-            .deviations = {}};
+            .deviations = info.deviations};
 }
 
 TextureLimits limits_of(const gl::GlContext& context) {

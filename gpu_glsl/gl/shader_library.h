@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/catalogue.h"
 #include "core/params.h"
 
 namespace onepass::gl {
@@ -62,6 +63,7 @@ struct StrategyInfo {
     bool twin = true;
     std::string no_twin_reason;  ///< if `twin` is false
     std::vector<ParamInfo> params;
+    std::vector<Deviation> deviations;  ///< in the order of their lines
 };
 
 /// Shader files by path relative to the shader root ("lib/dda.glsl").

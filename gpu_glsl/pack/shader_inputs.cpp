@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -30,6 +31,10 @@ const TextureData& ShaderInputs::texture(const std::string& name) const {
                      "Add it to the packing of the storage that declares it."});
     }
     return *found;
+}
+
+TextureData& ShaderInputs::texture(const std::string& name) {
+    return const_cast<TextureData&>(std::as_const(*this).texture(name));
 }
 
 TextureData make_record_texture(const std::string& name, const std::string& what, uint64_t records,

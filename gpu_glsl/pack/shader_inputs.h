@@ -51,6 +51,7 @@ struct ShaderInputs {
 
     /// The texture of that name. Throws: Error if there is none.
     const TextureData& texture(const std::string& name) const;
+    TextureData& texture(const std::string& name);
 };
 
 /// The largest textures a device holds, as packing needs to know it.

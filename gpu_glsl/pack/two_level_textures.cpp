@@ -52,51 +52,6 @@ class AddressTable {
     std::vector<float> y_;
 };
 
-// ---- Triangles: four planes each ---------------------------------------------------------------
-
-struct Planes {
-    glm::dvec4 rows[kTriangleTexels];
-};
-
-/// The triangle's plane and its three sides, in double. A triangle without area gives planes of
-/// NaN, which no comparison of the shader's test accepts: it is never hit.
-Planes triangle_planes(const dvec3& v0, const dvec3& v1, const dvec3& v2) {
-    const dvec3 e1 = v1 - v0;
-    const dvec3 e2 = v2 - v0;
-    const dvec3 n = glm::cross(e1, e2);
-    const double n2 = glm::dot(n, n);
-    const dvec3 unit = n / std::sqrt(n2);
-    const dvec3 u = glm::cross(e2, n) / n2;
-    const dvec3 v = glm::cross(n, e1) / n2;
-    const dvec3 w = -(u + v);
-    return {{glm::dvec4(unit, -glm::dot(unit, v0)), glm::dvec4(u, -glm::dot(u, v0)),
-             glm::dvec4(v, -glm::dot(v, v0)), glm::dvec4(w, 1.0 - glm::dot(w, v0))}};
-}
-
-TextureData pack_triangles(const Scene& scene, const std::vector<uint64_t>& first_triangle,
-                           uint64_t triangle_count, uint32_t max_side) {
-    TextureData texture =
-        make_record_texture("triangles", "triangles", triangle_count, kTriangleTexels, max_side);
-    for (size_t k = 0; k < scene.objects.size(); ++k) {
-        const Object& object = scene.objects[k];
-        tbb::parallel_for(
-            tbb::blocked_range<size_t>(0, object.triangles.size()), [&](const auto& range) {
-                for (size_t i = range.begin(); i != range.end(); ++i) {
-                    const uvec3 tri = object.triangles[i];
-                    const Planes planes = triangle_planes(dvec3(object.positions[tri.x]),
-                                                          dvec3(object.positions[tri.y]),
-                                                          dvec3(object.positions[tri.z]));
-                    float* out = texel_at(
-                        texture, record_texel(texture, first_triangle[k] + i, kTriangleTexels));
-                    for (const glm::dvec4& row : planes.rows) {
-                        for (int c = 0; c < 4; ++c) *out++ = static_cast<float>(row[c]);
-                    }
-                }
-            });
-    }
-    return texture;
-}
-
 // ---- The cell texture --------------------------------------------------------------------------
 
 /// Where each grid lies in the cell texture.
@@ -281,12 +236,7 @@ TwoLevelTextures pack_with_width(const Scene& scene, const TwoLevelGrid& grid, A
     // Grid 0 is the top level, grid 1 + k that of object k.
     std::vector<const UniformGrid*> grids = {&grid.top};
     for (const UniformGrid& object : grid.objects) grids.push_back(&object);
-    std::vector<uint64_t> first_triangle;
-    uint64_t triangle_count = 0;
-    for (const Object& object : scene.objects) {
-        first_triangle.push_back(triangle_count);
-        triangle_count += object.triangles.size();
-    }
+    const std::vector<uint64_t> first_triangle = first_triangles(scene);
     uint32_t longest = 0;
     for (const UniformGrid* g : grids) longest = std::max(longest, longest_list(*g));
     if (half && longest > kHalfCountLimit) {
@@ -297,7 +247,7 @@ TwoLevelTextures pack_with_width(const Scene& scene, const TwoLevelGrid& grid, A
     }
 
     // What references point to.
-    TextureData triangles = pack_triangles(scene, first_triangle, triangle_count, max_side);
+    TextureData triangles = pack_triangle_planes(scene, options.triangles, max_side);
     TextureData grid_records =
         make_record_texture("grids", "grids", grids.size(), kGridTexels, max_side);
     TextureData instances = pack_instances(scene, grid_records, width, max_side);
@@ -388,7 +338,7 @@ TwoLevelTextures pack_with_width(const Scene& scene, const TwoLevelGrid& grid, A
         {"cell_bytes", static_cast<double>(cells.bytes()), atlas_note},
         {"reference_bytes", static_cast<double>(references.bytes()),
          fmt::format("{} rows of {}", lists.rows, lists.width)},
-        {"triangle_bytes", static_cast<double>(triangles.bytes()), "four planes each"},
+        {"triangle_bytes", static_cast<double>(triangles.bytes()), "four texels each"},
         {"address_bits", half ? 16.0 : 32.0, "width of a texture address"},
     };
     // Not an initializer list: that would copy them.

@@ -7,6 +7,7 @@
 #include "core/scene.h"
 #include "core/tracer.h"
 #include "gpu_glsl/pack/shader_inputs.h"
+#include "gpu_glsl/pack/triangle_planes.h"
 
 namespace onepass {
 
@@ -17,6 +18,7 @@ enum class AddressWidth { automatic, half, single };
 struct TwoLevelTexturesOptions {
     AddressWidth address = AddressWidth::automatic;
     uint32_t cell_texture_limit = 256;  ///< cells a side of the cell texture; the paper's 256^3
+    TrianglePlanesOptions triangles;
     TextureLimits limits;
 };
 
