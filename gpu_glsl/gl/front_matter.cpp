@@ -19,6 +19,7 @@ namespace {
 
 constexpr const char* kKeys[] = {"strategy", "summary", "source", "structure",
                                  "storage",  "entries", "gl",     "twin"};
+constexpr const char* kOptionalKeys[] = {"default"};
 constexpr const char* kListKeys[] = {"param", "deviation"};  ///< any number of lines each
 constexpr const char* kEntries[] = {"fragment", "compute"};
 
@@ -63,11 +64,12 @@ Line parse_line(const std::string& place, std::string_view text) {
         fail(place, fmt::format("\"{}\"", trimmed(text)), "`//! key: value`");
     }
     Line line{place, trimmed(text.substr(0, colon)), trimmed(text.substr(colon + 1))};
-    const bool known = std::ranges::find(kKeys, line.key) != std::end(kKeys) ||
-                       std::ranges::find(kListKeys, line.key) != std::end(kListKeys);
-    if (!known) {
+    std::vector<std::string> known(std::begin(kKeys), std::end(kKeys));
+    known.insert(known.end(), std::begin(kOptionalKeys), std::end(kOptionalKeys));
+    known.insert(known.end(), std::begin(kListKeys), std::end(kListKeys));
+    if (std::ranges::find(known, line.key) == known.end()) {
         fail(place, fmt::format("the key \"{}\"", line.key),
-             fmt::format("one of {}, {}", fmt::join(kKeys, ", "), fmt::join(kListKeys, ", ")));
+             fmt::format("one of {}", fmt::join(known, ", ")));
     }
     if (line.value.empty()) fail(place, fmt::format("nothing after \"{}:\"", line.key), "a value");
     return line;
@@ -248,6 +250,15 @@ StrategyInfo parse_front_matter(const std::string& file, std::string_view text) 
             fail(by_key["twin"].place, fmt::format("\"{}\"", twin), "`yes` or `none REASON`");
         }
         info.no_twin_reason = trimmed(std::string_view(twin).substr(5));
+    }
+
+    // Whether a command takes it without being told.
+    if (by_key.contains("default")) {
+        const std::string& by_default = by_key["default"].value;
+        if (by_default != "yes" && by_default != "no") {
+            fail(by_key["default"].place, fmt::format("\"{}\"", by_default), "`yes` or `no`");
+        }
+        info.by_default = by_default == "yes";
     }
     return info;
 }

@@ -62,6 +62,7 @@ struct StrategyInfo {
     int gl = 330;                       ///< least OpenGL version as a number: 330 for 3.3
     bool twin = true;
     std::string no_twin_reason;  ///< if `twin` is false
+    bool by_default = true;      ///< TracerInfo::by_default
     std::vector<ParamInfo> params;
     std::vector<Deviation> deviations;  ///< in the order of their lines
 };

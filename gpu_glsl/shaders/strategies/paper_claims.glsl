@@ -6,6 +6,7 @@
 //! entries: fragment compute
 //! gl: 3.3
 //! twin: yes
+//! default: no
 //! param: top_loop choice(merged,nested) merged one loop that steps or intersects (figure 3), or two nested ones
 //! param: triangle_test choice(combined,sequential,early_out) combined one expression, one if after the other, or leaving once t is out of range
 //! param: vectors choice(scalar,4d,3d) scalar plane equations as spelled-out sums, as dot(vec4, vec4) or as dot(vec3, vec3) + w
