@@ -12,6 +12,7 @@
 #include "core/grid/two_level_grid.h"
 #include "gpu_glsl/pack/shading_tables.h"
 #include "gpu_glsl/pack/two_level_textures.h"
+#include "gpu_glsl/pack/two_level_variants.h"
 
 namespace onepass {
 namespace {
@@ -23,7 +24,7 @@ double ms_since(std::chrono::steady_clock::time_point start) {
 
 // ---- The two-level grid in 2D and 3D textures --------------------------------------------------
 
-std::vector<ParamInfo> two_level_texture_params() {
+std::vector<ParamInfo> two_level_params() {
     using Type = ParamInfo::Type;
     const TwoLevelSizing sizing;
     return {
@@ -47,13 +48,26 @@ std::vector<ParamInfo> two_level_texture_params() {
          "auto",
          "cells of the top-level grid, XxYxZ; overrides top_density",
          {}},
-        {"address",
-         Type::choice,
-         "auto",
-         "width of a texture address: half (16-bit float) where the scene fits, else float",
-         {"auto", "half", "float"}},
         {"atlas", Type::integer, "256", "cells a side of the cell texture, at most", {}},
     };
+}
+
+/// The paper's storage can have its tables in other widths.
+std::vector<ParamInfo> two_level_texture_params() {
+    using Type = ParamInfo::Type;
+    std::vector<ParamInfo> params = two_level_params();
+    params.push_back({"address",
+                      Type::choice,
+                      "auto",
+                      "width of a texture address: half (16-bit float) where the scene fits, else "
+                      "float",
+                      {"auto", "half", "float"}});
+    params.push_back({"geometry",
+                      Type::choice,
+                      "float",
+                      "width of a triangle's numbers: half is a 16-bit float, and leaves holes",
+                      {"float", "half"}});
+    return params;
 }
 
 /// "auto", or three cell counts.
@@ -84,6 +98,8 @@ double positive(const Params& params, const std::string& name) {
     return value;
 }
 
+bool has(const Params& params, const std::string& name) { return params.values().contains(name); }
+
 AddressWidth address_width(const Params& params) {
     const std::string& text = params.text("address");
     if (text == "half") return AddressWidth::half;
@@ -91,7 +107,20 @@ AddressWidth address_width(const Params& params) {
     return AddressWidth::automatic;
 }
 
-void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
+/// What the strategy's own parameters, and `geometry` where the storage has it, ask of triangles.
+TrianglePlanesOptions triangle_options(const Params& params) {
+    TrianglePlanesOptions options;
+    options.local = has(params, "local_planes") && params.integer("local_planes") == 1;
+    const bool half = has(params, "geometry") && params.text("geometry") == "half";
+    options.format = half ? ChannelFormat::half : ChannelFormat::single;
+    return options;
+}
+
+/// Builds and packs, then gives the tables another form. `variant` may be null.
+void pack_two_level_as(PreparedStrategy& prepared, const TextureLimits& limits,
+                       AddressWidth address,
+                       TwoLevelTextures (*variant)(const Scene&, TwoLevelTextures,
+                                                   const TextureLimits&)) {
     const Params& params = prepared.params;
     TwoLevelSizing sizing;
     sizing.object.density = positive(params, "density");
@@ -104,11 +133,13 @@ void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
                      "The default is 256."});
     }
 
-    // Only a scene that moves pays for the room and for the grids that are kept.
-    const bool moves = !prepared.scene->animation.empty();
+    // Only a scene that moves pays for the room and for the grids that are kept. The other forms
+    // are made from finished tables: they do not move.
+    const bool moves = !prepared.scene->animation.empty() && variant == nullptr;
     const TwoLevelTexturesOptions options{
-        .address = address_width(params),
+        .address = address,
         .cell_texture_limit = static_cast<uint32_t>(std::min(atlas, 65536L)),
+        .triangles = triangle_options(params),
         .limits = limits,
         .moving = moves};
     const uint64_t built_before = triangle_grids_built();
@@ -116,6 +147,7 @@ void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
     const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
     const auto start = std::chrono::steady_clock::now();
     TwoLevelTextures packed = pack_two_level_textures(*prepared.scene, grid, options);
+    if (variant != nullptr) packed = variant(*prepared.scene, std::move(packed), limits);
     prepared.stats = {{"build_ms", grid.build_ms, "both levels, all threads"},
                       {"pack_ms", ms_since(start), ""},
                       {"object_builds", object_builds, "object grids built so far"},
@@ -127,6 +159,18 @@ void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
         prepared.moving = std::make_unique<MovingTopLevel>(
             prepared.scene, std::move(grid), sizing.top, std::move(packed.places), options);
     }
+}
+
+void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_two_level_as(prepared, limits, address_width(prepared.params), nullptr);
+}
+
+void pack_two_level_copies(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_two_level_as(prepared, limits, AddressWidth::single, with_copied_triangles);
+}
+
+void pack_two_level_virtual(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_two_level_as(prepared, limits, AddressWidth::single, with_virtual_arrays);
 }
 
 // ---- All structures and storages ---------------------------------------------------------------
@@ -141,6 +185,8 @@ struct Packing {
 
 constexpr Packing kPackings[] = {
     {"two_level_grid", "texture2d", two_level_texture_params, pack_two_level},
+    {"two_level_grid", "texture2d_copies", two_level_params, pack_two_level_copies},
+    {"two_level_grid", "texture2d_virtual", two_level_params, pack_two_level_virtual},
 };
 
 const Packing& find_packing(const gl::StrategyInfo& info, const std::string& storage) {

@@ -1,10 +1,12 @@
 // onepass check: every strategy against the oracle, ray by ray and pixel by pixel.
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "compare/atomic_file.h"
+#include "compare/attribution.h"
 #include "compare/cli/commands.h"
 #include "compare/cli/options.h"
 #include "compare/cli/pictures.h"
@@ -23,6 +25,7 @@ struct CheckCommand {
     RayOptions rays{{"primary", "random"}, "512x512", 0};
     std::vector<std::string> allow;
     bool image = true;
+    bool attribute = false;
     std::string json;
     std::string pictures;
 };
@@ -71,6 +74,25 @@ std::string failure_text(const CheckRecord& record) {
                                record.allowed[c]);
     }
     return reasons;
+}
+
+/// The wrong rays of one record, by the deviation that each disappears without.
+std::string attribution_text(const CheckRecord& record, const Attribution& attribution,
+                             const std::vector<Deviation>& deviations) {
+    std::vector<std::vector<std::string>> rows = {{"deviation", "rays", "gone with", "what it is"}};
+    for (const auto& [id, count] : attribution.record.by_deviation) {
+        const Deviation& deviation = *std::ranges::find(deviations, id, &Deviation::id);
+        rows.push_back({id, std::to_string(count),
+                        fmt::format("{}={}", deviation.param, deviation.value), deviation.summary});
+    }
+    rows.push_back({"unattributed", std::to_string(attribution.record.unattributed), "", ""});
+    std::string text = fmt::format("{}, {} rays, {}: where {} wrong rays come from\n", record.scene,
+                                   record.rays, record.tracer, record.errors());
+    text += format_table(rows);
+    if (const auto& worst = attribution.worst_unattributed) {
+        text += "    unattributed" + worst_text(worst->verdict.hit_class, *worst);
+    }
+    return text;
 }
 
 /// The records of one scene and one ray set.
@@ -134,13 +156,27 @@ struct CheckRun {
     PictureSet pictures;
     Results results;
     bool stopped = false;
+    std::string attributions = {};            ///< as text
+    std::vector<std::string> cast_only = {};  ///< scenes and tracers without an image to compare
 
     RayRequest ray_request() const {
         return {size.width, size.height, options.rays.camera, session.globals.seed};
     }
 
-    void check_hits_of(const Court& court, const Case& subject, Tracer& tracer) {
+    void attribute(const Court& court, const Case& subject, const SelectedStrategy& strategy,
+                   HitComparison& comparison) {
+        const auto suspects = suspects_of(*strategy.entry, court.open.scene, strategy.params);
+        const Attribution attribution =
+            attribute_errors(comparison.wrong, subject.rays.query, *court.judge, suspects);
+        comparison.record.attribution = attribution.record;
+        attributions +=
+            attribution_text(comparison.record, attribution, strategy.entry->info.deviations);
+    }
+
+    void check_hits_of(const Court& court, const Case& subject, const SelectedStrategy& strategy,
+                       Tracer& tracer) {
         HitComparison comparison = check_tracer(court, subject, tracer, hit_options);
+        if (options.attribute) attribute(court, subject, strategy, comparison);
         const RaySet& rays = subject.rays;
         if (!rays.pixels.empty()) {
             comparison.record.picture = pictures.add(
@@ -195,9 +231,11 @@ struct CheckRun {
             const auto& [entry, params] = selected[s];
             const std::unique_ptr<Tracer> tracer = entry->make(court.open.scene, params);
             results.tracers.push_back(make_tracer_record(name, *tracer, entry->info, params));
-            for (const Case& subject : cases) check_hits_of(court, subject, *tracer);
+            for (const Case& subject : cases) check_hits_of(court, subject, selected[s], *tracer);
             if (options.image && tracer->capabilities().render) {
                 check_image_of(court, truth, *tracer);
+            } else if (options.image) {
+                cast_only.push_back(fmt::format("{}, {}", name, tracer->name()));
             }
             const double done = static_cast<double>(s + 1) / static_cast<double>(selected.size());
             stopped = !go_on(progress, done);
@@ -220,7 +258,10 @@ struct CheckRun {
                 if (image.scene == scene.name) fmt::print(out, "{}", image_line(image));
             }
         }
-        fmt::print(out, "judge: {}\n", results.manifest.judge);
+        for (const std::string& what : cast_only) {
+            fmt::print(out, "{}: answers rays only, so there is no image to compare\n", what);
+        }
+        fmt::print(out, "{}judge: {}\n", attributions, results.manifest.judge);
         if (!results.images.empty()) {
             fmt::print(out, "image bound: {}\n", results.images.front().reason);
         }
@@ -280,6 +321,10 @@ void add_check(CLI::App& app, Session& session) {
         ->allow_extra_args(false);
     command->add_flag("--image,!--no-image", options->image,
                       "Also compares the rendered image with Embree's (default: yes)");
+    command->add_flag(
+        "--attribute", options->attribute,
+        "Also casts the wrong rays again with each deviation of the strategy switched "
+        "off, and counts them by the first that each disappears without");
     command->add_option("--json", options->json, "Writes the results; '-' is standard output")
         ->type_name("FILE");
     command

@@ -48,50 +48,6 @@ class AddressTable {
     std::vector<float> y_;
 };
 
-// ---- Triangles: four planes each ---------------------------------------------------------------
-
-struct Planes {
-    glm::dvec4 rows[kTriangleTexels];
-};
-
-/// The triangle's plane and its three sides, in double. A triangle without area gives planes of
-/// NaN, which no comparison of the shader's test accepts: it is never hit.
-Planes triangle_planes(const dvec3& v0, const dvec3& v1, const dvec3& v2) {
-    const dvec3 e1 = v1 - v0;
-    const dvec3 e2 = v2 - v0;
-    const dvec3 n = glm::cross(e1, e2);
-    const double n2 = glm::dot(n, n);
-    const dvec3 unit = n / std::sqrt(n2);
-    const dvec3 u = glm::cross(e2, n) / n2;
-    const dvec3 v = glm::cross(n, e1) / n2;
-    const dvec3 w = -(u + v);
-    return {{glm::dvec4(unit, -glm::dot(unit, v0)), glm::dvec4(u, -glm::dot(u, v0)),
-             glm::dvec4(v, -glm::dot(v, v0)), glm::dvec4(w, 1.0 - glm::dot(w, v0))}};
-}
-
-TextureData pack_triangles(const Scene& scene, const std::vector<uint64_t>& first_triangle,
-                           uvec3 size) {
-    TextureData texture = zero_texture("triangles", size);
-    for (size_t k = 0; k < scene.objects.size(); ++k) {
-        const Object& object = scene.objects[k];
-        tbb::parallel_for(
-            tbb::blocked_range<size_t>(0, object.triangles.size()), [&](const auto& range) {
-                for (size_t i = range.begin(); i != range.end(); ++i) {
-                    const uvec3 tri = object.triangles[i];
-                    const Planes planes = triangle_planes(dvec3(object.positions[tri.x]),
-                                                          dvec3(object.positions[tri.y]),
-                                                          dvec3(object.positions[tri.z]));
-                    float* out = texel_at(
-                        texture, record_texel(texture, first_triangle[k] + i, kTriangleTexels));
-                    for (const glm::dvec4& row : planes.rows) {
-                        for (int c = 0; c < 4; ++c) *out++ = static_cast<float>(row[c]);
-                    }
-                }
-            });
-    }
-    return texture;
-}
-
 // ---- Grid and instance records -----------------------------------------------------------------
 
 /// A number as the float that carries it: exact below 2^24.
@@ -206,14 +162,6 @@ void write_top(const UniformGrid& top, const ListPlaces& lists, const TwoLevelPl
 }
 
 // ---- All grids of a scene ----------------------------------------------------------------------
-
-/// The index of each object's first triangle in the triangle texture, and at the end their number.
-std::vector<uint64_t> first_triangles(const Scene& scene) {
-    std::vector<uint64_t> first = {0};
-    for (const Object& object : scene.objects)
-        first.push_back(first.back() + object.triangles.size());
-    return first;
-}
 
 uint32_t longest_of_all(std::span<const UniformGrid> objects, const UniformGrid& top) {
     uint32_t longest = longest_list(top);
@@ -406,7 +354,8 @@ TwoLevelTextures pack_two_level_textures(const Scene& scene, const TwoLevelGrid&
                                          const TwoLevelTexturesOptions& options) {
     ONEPASS_CHECK_EQ(grid.objects.size(), scene.objects.size());
     GridTextures grids = pack_grids(scene, grid.objects, grid.top, options);
-    TextureData triangles = pack_triangles(scene, first_triangles(scene), grids.places.triangles);
+    TextureData triangles = pack_triangle_planes(scene, options.triangles,
+                                                 max_side(grids.places.address, options.limits));
     std::vector<Affine> object_from_world;
     for (const Instance& instance : scene.instances) {
         object_from_world.emplace_back(inverse(instance.world_from_object));
@@ -424,7 +373,7 @@ TwoLevelTextures pack_two_level_textures(const Scene& scene, const TwoLevelGrid&
         {"references", static_cast<double>(reference_count), "both levels"},
         {"longest_list", static_cast<double>(longest_of_all(grid.objects, grid.top)),
          "references in one cell"},
-        {"triangle_bytes", static_cast<double>(triangles.bytes()), "four planes each"},
+        {"triangle_bytes", static_cast<double>(triangles.bytes()), "four texels each"},
     };
     packed.stats.insert(packed.stats.end(), grids.stats.begin(), grids.stats.end());
     packed.inputs.textures = std::move(grids.textures);

@@ -11,6 +11,7 @@
 #include "core/tracer.h"
 #include "gpu_glsl/pack/cell_atlas.h"
 #include "gpu_glsl/pack/shader_inputs.h"
+#include "gpu_glsl/pack/triangle_planes.h"
 
 namespace onepass {
 
@@ -21,6 +22,7 @@ enum class AddressWidth { automatic, half, single };
 struct TwoLevelTexturesOptions {
     AddressWidth address = AddressWidth::automatic;
     uint32_t cell_texture_limit = 256;  ///< cells a side of the cell texture; the paper's 256^3
+    TrianglePlanesOptions triangles;
     TextureLimits limits;
     bool moving = false;  ///< leave rows for a top level of twice the references
 };
