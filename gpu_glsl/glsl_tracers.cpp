@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "gpu_glsl/brute_force.h"
 #include "gpu_glsl/gpu_tracer.h"
 #include "gpu_glsl/prepared_strategy.h"
 #include "gpu_glsl/twin/twin_unit.h"
@@ -26,7 +27,8 @@ TracerInfo tracer_info(const gl::StrategyInfo& info, const std::string& storage,
             .summary = info.summary + ", " + how,
             .source = info.source,
             .params = strategy_params(info, storage),
-            .deviations = {}};
+            .deviations = info.deviations,
+            .by_default = info.by_default};
 }
 
 TextureLimits limits_of(const gl::GlContext& context) {
@@ -101,6 +103,9 @@ std::vector<CatalogueEntry> glsl_tracers(const gl::ShaderLibrary& library,
             }
         }
     }
+    for (CatalogueEntry& entry : brute_force_tracers(shared, context)) {
+        entries.push_back(std::move(entry));
+    }
     return entries;
 }
 
@@ -128,7 +133,8 @@ gl::ComposedShader compose_tracer_shader(const gl::ShaderLibrary& library, const
         }
     }
     throw Error({"shader variant", "'" + name + "'", "the full name of a GPU tracer",
-                 "See `onepass list strategies`; twins and Embree have no shader."});
+                 "See `onepass list strategies`; twins and Embree have no shader, and tracers of "
+                 "several passes not a single one."});
 }
 
 }  // namespace onepass

@@ -12,6 +12,7 @@
 #include "core/grid/two_level_grid.h"
 #include "gpu_glsl/pack/shading_tables.h"
 #include "gpu_glsl/pack/two_level_textures.h"
+#include "gpu_glsl/pack/two_level_variants.h"
 
 namespace onepass {
 namespace {
@@ -23,7 +24,7 @@ double ms_since(std::chrono::steady_clock::time_point start) {
 
 // ---- The two-level grid in 2D and 3D textures --------------------------------------------------
 
-std::vector<ParamInfo> two_level_texture_params() {
+std::vector<ParamInfo> two_level_params() {
     using Type = ParamInfo::Type;
     const TwoLevelSizing sizing;
     return {
@@ -47,13 +48,26 @@ std::vector<ParamInfo> two_level_texture_params() {
          "auto",
          "cells of the top-level grid, XxYxZ; overrides top_density",
          {}},
-        {"address",
-         Type::choice,
-         "auto",
-         "width of a texture address: half (16-bit float) where the scene fits, else float",
-         {"auto", "half", "float"}},
         {"atlas", Type::integer, "256", "cells a side of the cell texture, at most", {}},
     };
+}
+
+/// The paper's storage can have its tables in other widths.
+std::vector<ParamInfo> two_level_texture_params() {
+    using Type = ParamInfo::Type;
+    std::vector<ParamInfo> params = two_level_params();
+    params.push_back({"address",
+                      Type::choice,
+                      "auto",
+                      "width of a texture address: half (16-bit float) where the scene fits, else "
+                      "float",
+                      {"auto", "half", "float"}});
+    params.push_back({"geometry",
+                      Type::choice,
+                      "float",
+                      "width of a triangle's numbers: half is a 16-bit float, and leaves holes",
+                      {"float", "half"}});
+    return params;
 }
 
 /// "auto", or three cell counts.
@@ -84,6 +98,8 @@ double positive(const Params& params, const std::string& name) {
     return value;
 }
 
+bool has(const Params& params, const std::string& name) { return params.values().contains(name); }
+
 AddressWidth address_width(const Params& params) {
     const std::string& text = params.text("address");
     if (text == "half") return AddressWidth::half;
@@ -91,7 +107,20 @@ AddressWidth address_width(const Params& params) {
     return AddressWidth::automatic;
 }
 
-void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
+/// What the strategy's own parameters, and `geometry` where the storage has it, ask of triangles.
+TrianglePlanesOptions triangle_options(const Params& params) {
+    TrianglePlanesOptions options;
+    options.local = has(params, "local_planes") && params.integer("local_planes") == 1;
+    const bool half = has(params, "geometry") && params.text("geometry") == "half";
+    options.format = half ? ChannelFormat::half : ChannelFormat::single;
+    return options;
+}
+
+/// Builds and packs, then gives the tables another form. `variant` may be null.
+void pack_two_level_as(PreparedStrategy& prepared, const TextureLimits& limits,
+                       AddressWidth address,
+                       TwoLevelTextures (*variant)(const Scene&, TwoLevelTextures,
+                                                   const TextureLimits&)) {
     const Params& params = prepared.params;
     TwoLevelSizing sizing;
     sizing.object.density = positive(params, "density");
@@ -104,17 +133,44 @@ void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
                      "The default is 256."});
     }
 
-    const TwoLevelGrid grid = build_two_level_grid(*prepared.scene, sizing);
+    // Only a scene that moves pays for the room and for the grids that are kept. The other forms
+    // are made from finished tables: they do not move.
+    const bool moves = !prepared.scene->animation.empty() && variant == nullptr;
+    const TwoLevelTexturesOptions options{
+        .address = address,
+        .cell_texture_limit = static_cast<uint32_t>(std::min(atlas, 65536L)),
+        .triangles = triangle_options(params),
+        .limits = limits,
+        .moving = moves};
+    const uint64_t built_before = triangle_grids_built();
+    TwoLevelGrid grid = build_two_level_grid(*prepared.scene, sizing);
+    const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
     const auto start = std::chrono::steady_clock::now();
-    TwoLevelTextures packed = pack_two_level_textures(
-        *prepared.scene, grid,
-        {.address = address_width(params),
-         .cell_texture_limit = static_cast<uint32_t>(std::min(atlas, 65536L)),
-         .limits = limits});
+    TwoLevelTextures packed = pack_two_level_textures(*prepared.scene, grid, options);
+    if (variant != nullptr) packed = variant(*prepared.scene, std::move(packed), limits);
     prepared.stats = {{"build_ms", grid.build_ms, "both levels, all threads"},
-                      {"pack_ms", ms_since(start), ""}};
+                      {"pack_ms", ms_since(start), ""},
+                      {"object_builds", object_builds, "object grids built so far"},
+                      {"top_builds", 1.0, "top-level grids built so far"},
+                      {"repacks", 0.0, "times the top level outgrew its room"}};
     std::move(packed.stats.begin(), packed.stats.end(), std::back_inserter(prepared.stats));
     prepared.inputs.append(std::move(packed.inputs));
+    if (moves) {
+        prepared.moving = std::make_unique<MovingTopLevel>(
+            prepared.scene, std::move(grid), sizing.top, std::move(packed.places), options);
+    }
+}
+
+void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_two_level_as(prepared, limits, address_width(prepared.params), nullptr);
+}
+
+void pack_two_level_copies(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_two_level_as(prepared, limits, AddressWidth::single, with_copied_triangles);
+}
+
+void pack_two_level_virtual(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_two_level_as(prepared, limits, AddressWidth::single, with_virtual_arrays);
 }
 
 // ---- All structures and storages ---------------------------------------------------------------
@@ -129,6 +185,8 @@ struct Packing {
 
 constexpr Packing kPackings[] = {
     {"two_level_grid", "texture2d", two_level_texture_params, pack_two_level},
+    {"two_level_grid", "texture2d_copies", two_level_params, pack_two_level_copies},
+    {"two_level_grid", "texture2d_virtual", two_level_params, pack_two_level_virtual},
 };
 
 const Packing& find_packing(const gl::StrategyInfo& info, const std::string& storage) {
@@ -138,6 +196,13 @@ const Packing& find_packing(const gl::StrategyInfo& info, const std::string& sto
     throw Error({info.file, fmt::format("structure '{}' in storage '{}'", info.structure, storage),
                  "a pair that gpu_glsl/prepared_strategy.cpp knows how to pack",
                  "Add its builder and packing to kPackings there."});
+}
+
+Stat& find_stat(std::vector<Stat>& stats, const std::string& name) {
+    const auto found =
+        std::find_if(stats.begin(), stats.end(), [&](const Stat& s) { return s.name == name; });
+    ONEPASS_CHECK(found != stats.end());
+    return *found;
 }
 
 gl::ShaderConstant param_constant(const ParamInfo& info, const Params& params) {
@@ -194,7 +259,8 @@ PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::strin
                               .params = Params(info.name, strategy_params(info, storage), values),
                               .inputs = {},
                               .param_constants = {},
-                              .stats = {}};
+                              .stats = {},
+                              .moving = nullptr};
     for (const ParamInfo& param : info.params) {
         prepared.param_constants.push_back(param_constant(param, prepared.params));
     }
@@ -205,6 +271,39 @@ PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::strin
     prepared.stats.push_back(
         {"device_bytes", structure_bytes, "structure, without shading tables"});
     return prepared;
+}
+
+TopLevelMove plan_move(const PreparedStrategy& prepared,
+                       std::span<const Affine> world_from_object) {
+    if (!prepared.moving) {
+        const bool moves = !prepared.scene->animation.empty();
+        throw Error(
+            {fmt::format("moving instances with {}/{}", prepared.info.name, prepared.storage),
+             moves ? "a storage that is packed once and for all"
+                   : "a tracer of a scene without an animation",
+             moves ? "one that can be packed again in part" : "a scene whose instances move",
+             "Make a new tracer of the moved scene."});
+    }
+    const uint64_t built_before = triangle_grids_built();
+    TopLevelMove move = prepared.moving->plan(world_from_object);
+    const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
+    move.counts = {{"object_builds", object_builds, ""},
+                   {"top_builds", 1.0, ""},
+                   {"repacks", move.repacked ? 1.0 : 0.0, ""}};
+    return move;
+}
+
+void commit_move(PreparedStrategy& prepared, TopLevelMove move) {
+    prepared.moving->commit(move);
+    prepared.inputs.apply(std::move(move.changes));
+    for (const Stat& count : move.counts) {
+        find_stat(prepared.stats, count.name).value += count.value;
+    }
+    for (Stat& stat : move.stats) {
+        Stat& own = find_stat(prepared.stats, stat.name);
+        own.value = stat.value;
+        if (!stat.note.empty()) own.note = std::move(stat.note);
+    }
 }
 
 }  // namespace onepass

@@ -1,4 +1,5 @@
 // onepass check: every strategy against the oracle, ray by ray and pixel by pixel.
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -6,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "compare/atomic_file.h"
+#include "compare/attribution.h"
 #include "compare/cli/commands.h"
 #include "compare/cli/options.h"
 #include "compare/cli/pictures.h"
@@ -27,6 +29,7 @@ struct CheckCommand {
     bool image = true;
     std::string frames;  ///< empty: the scenes at rest
     double fps = 24.0;
+    bool attribute = false;
     std::string json;
     std::string pictures;
 };
@@ -75,6 +78,25 @@ std::string failure_text(const CheckRecord& record) {
                                record.allowed[c]);
     }
     return reasons;
+}
+
+/// The wrong rays of one record, by the deviation that each disappears without.
+std::string attribution_text(const CheckRecord& record, const Attribution& attribution,
+                             const std::vector<Deviation>& deviations) {
+    std::vector<std::vector<std::string>> rows = {{"deviation", "rays", "gone with", "what it is"}};
+    for (const auto& [id, count] : attribution.record.by_deviation) {
+        const Deviation& deviation = *std::ranges::find(deviations, id, &Deviation::id);
+        rows.push_back({id, std::to_string(count),
+                        fmt::format("{}={}", deviation.param, deviation.value), deviation.summary});
+    }
+    rows.push_back({"unattributed", std::to_string(attribution.record.unattributed), "", ""});
+    std::string text = fmt::format("{}, {} rays, {}: where {} wrong rays come from\n", record.scene,
+                                   record.rays, record.tracer, record.errors());
+    text += format_table(rows);
+    if (const auto& worst = attribution.worst_unattributed) {
+        text += "    unattributed" + worst_text(worst->verdict.hit_class, *worst);
+    }
+    return text;
 }
 
 /// The records of one scene and one ray set.
@@ -138,13 +160,27 @@ struct CheckRun {
     PictureSet pictures;
     Results results;
     bool stopped = false;
+    std::string attributions = {};            ///< as text
+    std::vector<std::string> cast_only = {};  ///< scenes and tracers without an image to compare
 
     RayRequest ray_request() const {
         return {size.width, size.height, options.rays.camera, session.globals.seed};
     }
 
-    void check_hits_of(const Court& court, const Case& subject, Tracer& tracer) {
+    void attribute(const Court& court, const Case& subject, const SelectedStrategy& strategy,
+                   HitComparison& comparison) {
+        const auto suspects = suspects_of(*strategy.entry, court.open.scene, strategy.params);
+        const Attribution attribution =
+            attribute_errors(comparison.wrong, subject.rays.query, *court.judge, suspects);
+        comparison.record.attribution = attribution.record;
+        attributions +=
+            attribution_text(comparison.record, attribution, strategy.entry->info.deviations);
+    }
+
+    void check_hits_of(const Court& court, const Case& subject, const SelectedStrategy& strategy,
+                       Tracer& tracer) {
         HitComparison comparison = check_tracer(court, subject, tracer, hit_options);
+        if (options.attribute) attribute(court, subject, strategy, comparison);
         const RaySet& rays = subject.rays;
         if (!rays.pixels.empty()) {
             comparison.record.picture = pictures.add(
@@ -216,9 +252,11 @@ struct CheckRun {
             if (frame) tracer->update(transforms);
             results.tracers.push_back(
                 make_tracer_record(court.open.name, *tracer, entry->info, params));
-            for (const Case& subject : cases) check_hits_of(court, subject, *tracer);
+            for (const Case& subject : cases) check_hits_of(court, subject, selected[s], *tracer);
             if (options.image && tracer->capabilities().render) {
                 check_image_of(court, truth, *tracer);
+            } else if (options.image) {
+                cast_only.push_back(fmt::format("{}, {}", court.open.name, tracer->name()));
             }
             const double done = static_cast<double>(s + 1) / static_cast<double>(selected.size());
             stopped = !go_on(progress, done);
@@ -241,7 +279,10 @@ struct CheckRun {
                 if (image.scene == scene.name) fmt::print(out, "{}", image_line(image));
             }
         }
-        fmt::print(out, "judge: {}\n", results.manifest.judge);
+        for (const std::string& what : cast_only) {
+            fmt::print(out, "{}: answers rays only, so there is no image to compare\n", what);
+        }
+        fmt::print(out, "{}judge: {}\n", attributions, results.manifest.judge);
         if (!results.images.empty()) {
             fmt::print(out, "image bound: {}\n", results.images.front().reason);
         }
@@ -315,6 +356,10 @@ void add_check(CLI::App& app, Session& session) {
         ->check(CLI::PositiveNumber)
         ->needs(frames)
         ->capture_default_str();
+    command->add_flag(
+        "--attribute", options->attribute,
+        "Also casts the wrong rays again with each deviation of the strategy switched "
+        "off, and counts them by the first that each disappears without");
     command->add_option("--json", options->json, "Writes the results; '-' is standard output")
         ->type_name("FILE");
     command

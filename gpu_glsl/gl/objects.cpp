@@ -218,6 +218,33 @@ Texture texture_3d(std::string name, TexelFormat format, const glm::uvec3& size,
     return texture;
 }
 
+void update_region(const Texture& texture, const glm::uvec3& corner, const glm::uvec3& size,
+                   const Texels& texels) {
+    // Check.
+    const FormatInfo info = format_info(texture.format());
+    for (int axis = 0; axis < 3; ++axis) {
+        ONEPASS_CHECK_LE(uint64_t{corner[axis]} + size[axis], uint64_t{texture.size()[axis]});
+    }
+    ONEPASS_CHECK(texels.scalar_type != 0);
+    check_texels(info, size, texels);
+
+    // Upload.
+    const glm::ivec3 at(corner);
+    const glm::ivec3 box(size);
+    glActiveTexture(kEditUnit);
+    glBindTexture(texture.target(), texture.id());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    if (texture.target() == GL_TEXTURE_3D) {
+        glTexSubImage3D(GL_TEXTURE_3D, 0, at.x, at.y, at.z, box.x, box.y, box.z, info.pixel_format,
+                        texels.scalar_type, texels.data);
+    } else {
+        ONEPASS_CHECK(texture.target() == GL_TEXTURE_2D);
+        glTexSubImage2D(GL_TEXTURE_2D, 0, at.x, at.y, box.x, box.y, info.pixel_format,
+                        texels.scalar_type, texels.data);
+    }
+    check_gl(fmt::format("updating texture '{}'", texture.name()));
+}
+
 Texture texture_buffer(std::string name, TexelFormat format, const Texels& texels) {
     // Check. The data goes into a plain buffer, which converts nothing.
     const FormatInfo info = format_info(format);

@@ -127,6 +127,11 @@ Texture texture_2d(std::string name, TexelFormat format, uint32_t width, uint32_
 Texture texture_3d(std::string name, TexelFormat format, const glm::uvec3& size,
                    const Texels& texels = {});
 
+/// Replaces the texels of a box of a 2D or 3D texture; the data must fill the box exactly, in the
+/// layout of a texture of its size. Cost: that of the box.
+void update_region(const Texture& texture, const glm::uvec3& corner, const glm::uvec3& size,
+                   const Texels& texels);
+
 /// A buffer texture (`samplerBuffer`), as long as its data. 32-bit formats are what GLSL needs.
 /// Throws: Error as texture_2d.
 Texture texture_buffer(std::string name, TexelFormat format, const Texels& texels);
