@@ -12,6 +12,7 @@
 
 #include "compare/npy.h"
 #include "compare/results.h"
+#include "core/io/load.h"
 #include "tests/support/temporary_folder.h"
 
 namespace onepass {
@@ -349,6 +350,25 @@ TEST(List, shows_strategies_with_parameters_and_scenes_with_counts) {
     const std::string scenes = onepass_in(folder, {"list", "scenes"}).out;
     EXPECT_NE(scenes.find("balls-1"), std::string::npos);
     EXPECT_NE(scenes.find("31200"), std::string::npos);
+    EXPECT_NE(scenes.find("are not public"), std::string::npos);
+}
+
+TEST(ScenesExport, writes_a_scene_flat_or_with_a_mesh_for_each_instance) {
+    const TemporaryFolder folder;
+    const auto exported = [&](const std::string& form) {
+        EXPECT_EQ(
+            onepass_in(folder, {"scenes", "export", "balls-1", form, "-o", "balls.glb"}).exit_code,
+            0);
+        return load_scene_file(folder.path() / "balls.glb").scene;
+    };
+    const Scene flat = exported("--flat");
+    EXPECT_EQ(flat.instances.size(), 1u);
+    EXPECT_EQ(instanced_triangle_count(flat), 31200u);
+    const Scene copies = exported("--unshared");
+    EXPECT_EQ(copies.objects.size(), 10u);
+    EXPECT_EQ(copies.instances.size(), 10u);
+    expect_refused(folder, {"scenes", "export", "balls-1", "--flat", "--unshared", "-o", "a.glb"},
+                   "--unshared");
 }
 
 TEST(Interrupt, ends_a_long_run_with_whole_results_that_say_so) {
