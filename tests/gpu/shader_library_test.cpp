@@ -22,9 +22,8 @@ Files strategy_files(const std::string& key = "", const std::string& replacement
     for (const std::string line :
          {"strategy: demo", "summary: a demonstration: of front matter", "source: none",
           "structure: grid", "storage: flat", "entries: fragment compute", "gl: 4.3", "twin: yes",
-          "param: slack real 1.004 upper bound of la + lb",
-          "param: mode choice(a,b) b which way", "deviation: D1 slack=1 edges are loose",
-          "deviation: D2 mode=a goes the wrong way"}) {
+          "param: slack real 1.004 upper bound of la + lb", "param: mode choice(a,b) b which way",
+          "deviation: D1 slack=1 edges are loose", "deviation: D2 mode=a goes the wrong way"}) {
         const bool replaced = !key.empty() && line.starts_with(key + ":");
         if (replaced && replacement.empty()) continue;
         text += "//! " + (replaced ? replacement : line) + "\n";
