@@ -10,102 +10,14 @@
 
 #include "core/camera.h"
 #include "core/error.h"
+#include "gpu_glsl/device_io.h"
 #include "gpu_glsl/gl/objects.h"
 
 namespace onepass {
 namespace {
 
-/// Rays of one chunk of a batch. Fragment: two textures, a ray a texel. Compute: one buffer.
-struct ChunkOnDevice {
-    size_t count = 0;
-    uint32_t width = 0;  ///< of the textures
-    uint32_t height = 0;
-    std::optional<gl::Texture> origins;
-    std::optional<gl::Texture> directions;
-    std::optional<gl::Buffer> buffer;
-};
-
-struct RaysOnDevice {
-    std::vector<ChunkOnDevice> chunks;
-};
-
-/// The records of entry/cast_compute.glsl and entry/compute.glsl (std430).
-struct HitRecord {
-    vec4 hit;
-    glm::uvec4 ids;
-    glm::uvec4 counters;
-};
-static_assert(sizeof(HitRecord) == 48);
-
-struct PixelRecord {
-    vec4 color;
-    vec4 hit;
-    glm::uvec4 ids;
-    vec4 normal;
-    glm::uvec4 counters;
-};
-static_assert(sizeof(PixelRecord) == 80);
-
 /// Rays a chunk holds at most: 4 Mi rays take 128 MiB, and results of the same order.
 constexpr size_t kMaxChunkRays = size_t{1} << 22;
-
-/// Width of the textures that rays and hits lie in.
-constexpr uint32_t kRayTextureWidth = 1024;
-
-gl::TexelFormat texel_format(const TextureData& texture) {
-    const bool half = texture.format == ChannelFormat::half;
-    switch (texture.channels) {
-        case 1:
-            return half ? gl::TexelFormat::r16f : gl::TexelFormat::r32f;
-        case 2:
-            return half ? gl::TexelFormat::rg16f : gl::TexelFormat::rg32f;
-        default:
-            return half ? gl::TexelFormat::rgba16f : gl::TexelFormat::rgba32f;
-    }
-}
-
-gl::Texture upload_texture(const TextureData& texture) {
-    if (texture.dimensions == 3) {
-        return gl::texture_3d(texture.name, texel_format(texture), texture.size, texture.texels);
-    }
-    return gl::texture_2d(texture.name, texel_format(texture), texture.size.x, texture.size.y,
-                          texture.texels);
-}
-
-/// A ray that no structure answers: it ends before it begins. Fills the last row of a chunk.
-constexpr Ray kPaddingRay{.org = vec3(0.0f), .tmin = 0.0f, .dir = vec3(0, 0, 1), .tmax = -1.0f};
-
-ChunkOnDevice upload_to_textures(std::span<const Ray> rays) {
-    ChunkOnDevice chunk;
-    chunk.count = rays.size();
-    chunk.width = kRayTextureWidth;
-    chunk.height = static_cast<uint32_t>((rays.size() + kRayTextureWidth - 1) / kRayTextureWidth);
-    const size_t texels = size_t{chunk.width} * chunk.height;
-    std::vector<vec4> origins(texels, vec4(kPaddingRay.org, kPaddingRay.tmin));
-    std::vector<vec4> directions(texels, vec4(kPaddingRay.dir, kPaddingRay.tmax));
-    for (size_t i = 0; i < rays.size(); ++i) {
-        origins[i] = vec4(rays[i].org, rays[i].tmin);
-        directions[i] = vec4(rays[i].dir, rays[i].tmax);
-    }
-    chunk.origins =
-        gl::texture_2d("ray_origins", gl::TexelFormat::rgba32f, chunk.width, chunk.height, origins);
-    chunk.directions = gl::texture_2d("ray_directions", gl::TexelFormat::rgba32f, chunk.width,
-                                      chunk.height, directions);
-    return chunk;
-}
-
-ChunkOnDevice upload_to_buffer(std::span<const Ray> rays) {
-    ChunkOnDevice chunk;
-    chunk.count = rays.size();
-    chunk.buffer = gl::Buffer::of("rays", rays);
-    return chunk;
-}
-
-Hit make_hit(const float* t_u_v, const uint32_t* ids) {
-    return {t_u_v[0], t_u_v[1], t_u_v[2], ids[0], ids[1]};
-}
-
-RayCounters make_counters(const uint32_t* c) { return {c[0], c[1], c[2], c[3]}; }
 
 class GpuTracer final : public Tracer {
   public:
@@ -272,17 +184,7 @@ class GpuTracer final : public Tracer {
         add_time(gl::finish_and_time(context_, [&] { gl::draw_fullscreen(program, framebuffer); }),
                  result);
 
-        const std::vector<float> hits = gl::read_floats(framebuffer.target(0));
-        const std::vector<uint32_t> ids = gl::read_uints(framebuffer.target(1));
-        for (size_t i = 0; i < chunk.count; ++i) {
-            result.hits.push_back(make_hit(&hits[4 * i], &ids[4 * i]));
-            result.flags.push_back(ids[4 * i + 2]);
-        }
-        if (!options.counters) return;
-        const std::vector<uint32_t> counters = gl::read_uints(framebuffer.target(2));
-        for (size_t i = 0; i < chunk.count; ++i) {
-            result.counters.push_back(make_counters(&counters[4 * i]));
-        }
+        append_hits(framebuffer, chunk.count, options.counters, result);
     }
 
     void cast_compute(const ChunkOnDevice& chunk, const CastOptions& options, CastResult& result) {
@@ -302,11 +204,7 @@ class GpuTracer final : public Tracer {
                                      [&] { gl::dispatch(program, uvec3(groups_x, groups_y, 1)); }),
                  result);
 
-        for (const HitRecord& record : hit_buffer.read<HitRecord>()) {
-            result.hits.push_back(make_hit(&record.hit.x, &record.ids.x));
-            result.flags.push_back(record.ids.z);
-            if (options.counters) result.counters.push_back(make_counters(&record.counters.x));
-        }
+        append_hits(hit_buffer, chunk.count, options.counters, result);
     }
 
     // ---- Render --------------------------------------------------------------------------------
@@ -322,23 +220,7 @@ class GpuTracer final : public Tracer {
         frame.wall_ms = time.wall_ms;
         frame.device_ms = time.device_ms;
 
-        const size_t pixels = size_t{settings.width} * settings.height;
-        const std::vector<float> color = gl::read_floats(framebuffer.target(0));
-        frame.color.reserve(pixels);
-        for (size_t i = 0; i < pixels; ++i) {
-            frame.color.push_back(vec3(color[4 * i], color[4 * i + 1], color[4 * i + 2]));
-        }
-        if (!settings.aovs) return;
-        const std::vector<float> hits = gl::read_floats(framebuffer.target(1));
-        const std::vector<uint32_t> ids = gl::read_uints(framebuffer.target(2));
-        const std::vector<float> normals = gl::read_floats(framebuffer.target(3));
-        const std::vector<uint32_t> counters = gl::read_uints(framebuffer.target(4));
-        for (size_t i = 0; i < pixels; ++i) {
-            frame.hits.push_back(make_hit(&hits[4 * i], &ids[4 * i]));
-            frame.flags.push_back(ids[4 * i + 2]);
-            frame.normals.push_back(vec3(normals[4 * i], normals[4 * i + 1], normals[4 * i + 2]));
-            frame.counters.push_back(make_counters(&counters[4 * i]));
-        }
+        append_pixels(framebuffer, settings.aovs, frame);
     }
 
     void render_compute(gl::Program& program, const RenderSettings& settings, Frame& frame) {
@@ -354,15 +236,7 @@ class GpuTracer final : public Tracer {
         frame.wall_ms = time.wall_ms;
         frame.device_ms = time.device_ms;
 
-        frame.color.reserve(pixels);
-        for (const PixelRecord& record : pixel_buffer.read<PixelRecord>()) {
-            frame.color.push_back(vec3(record.color));
-            if (!settings.aovs) continue;
-            frame.hits.push_back(make_hit(&record.hit.x, &record.ids.x));
-            frame.flags.push_back(record.ids.z);
-            frame.normals.push_back(vec3(record.normal));
-            frame.counters.push_back(make_counters(&record.counters.x));
-        }
+        append_pixels(pixel_buffer, pixels, settings.aovs, frame);
     }
 
     struct RenderVariant {
