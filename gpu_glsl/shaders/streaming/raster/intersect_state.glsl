@@ -19,4 +19,4 @@ void store_work(uvec4 done) {
     if (count_work) out_work = FETCH2D(own_work, HERE) + done;
 }
 
-void store_control(uint control) { out_control = control ^ kHitSide; }
+void store_control(uint control) { out_control = moved(control, kHitSide); }

@@ -15,3 +15,6 @@ uniform usampler2D own_ids;
 uniform usampler2D own_work;
 
 layout(location = 7) out uint out_control;
+
+// The control word of a ray whose part of `side` has been written anew. A copy leaves all as it is.
+uint moved(uint control, uint side) { return copy_only ? control : control ^ side; }

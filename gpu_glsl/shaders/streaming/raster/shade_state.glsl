@@ -28,4 +28,6 @@ void store_path(PathTexels texels) {
     out_ids = texels.ids;
 }
 
-void store_control(uint control) { out_control = over_all_rays ? control : control ^ kPathSide; }
+void store_control(uint control) {
+    out_control = over_all_rays ? control : moved(control, kPathSide);
+}

@@ -26,4 +26,4 @@ void store_work(uvec4 done) {
     if (count_work) out_work = FETCH2D(own_work, HERE) + done;
 }
 
-void store_control(uint control) { out_control = control ^ kWalkSide; }
+void store_control(uint control) { out_control = moved(control, kWalkSide); }
