@@ -63,6 +63,10 @@ ComputeStream::ComputeStream(const Shaders& shaders, const gl::GlContext& contex
       generate_(shaders.compute_program(generate_files(variant), variant, Role::over_all_rays)),
       queues_(shaders.compute_program({"streaming/compute/queues.glsl"}, variant, Role::kernel)),
       resolve_(shaders.compute_program(resolve_files(variant), variant, Role::over_all_rays)) {
+    if (measures_copies) {
+        queues_copy_ =
+            shaders.compute_program({"streaming/compute/queues.glsl"}, variant, Role::copy);
+    }
     for (const Kernel kernel : kAllKernels) {
         if (!variant.uses(kernel)) continue;
         KernelPrograms programs{
@@ -96,13 +100,14 @@ ComputeStream::State::State(const Variant& variant, size_t ray_count)
       paths("paths", variant.casting ? 0 : rays * kPathTexels * sizeof(vec4)),
       path_ids("path_ids", variant.casting ? 0 : rays * sizeof(glm::uvec4)),
       work("work", variant.counters ? 2 * rays * sizeof(glm::uvec4) : 0),
-      // One more than there are: where copies write.
+      // More than there are: copies write behind them.
       queues("queues", (kQueues + 1) * rays * sizeof(uint32_t)),
-      queue_heads(gl::Buffer::of("queue heads", std::vector<QueueHead>(kQueues))) {}
+      queue_heads(gl::Buffer::of("queue heads", std::vector<QueueHead>(2 * kQueues))) {}
 
 void ComputeStream::for_all_programs(const std::function<void(gl::Program&)>& action) {
     action(generate_);
     action(queues_);
+    if (queues_copy_) action(*queues_copy_);
     action(resolve_);
     for (KernelPrograms& programs : kernels_) {
         action(programs.kernel);
@@ -177,10 +182,11 @@ Run ComputeStream::run() {
             queues_.set_uniform("parity", 1);
             gl::dispatch(queues_, uvec3(1));
         });
+        ++done.rounds;
         run_rounds(clock, done);
         clock.time_part([&] { gl::dispatch(resolve_, groups_for(state_->rays)); });
     });
-    done.other_passes += 3;
+    done.ends = 2;
 
     const std::vector<QueueHead> heads = state_->queue_heads.read<QueueHead>();
     for (const Kernel kernel : kAllKernels) {
@@ -198,7 +204,7 @@ void ComputeStream::run_rounds(const Clock& clock, Run& run) {
     for (uint64_t round = 0;; ++round) {
         const int parity = static_cast<int>(round % 2);
         if (round % kRoundsPerLook == 0 && waiting(parity) == 0) break;
-        const auto dispatch_kernels = [&](bool copies) {
+        const auto dispatch_round = [&](bool copies) {
             for (const Kernel kernel : kAllKernels) {
                 if (!variant_.uses(kernel)) continue;
                 KernelPrograms& programs = kernels_[index_of(kernel)];
@@ -207,17 +213,16 @@ void ComputeStream::run_rounds(const Clock& clock, Run& run) {
                 gl::dispatch_indirect(program, state_->queue_heads, head_offset(kernel, parity));
             }
             gl::barrier();
+            gl::Program& queues = copies ? *queues_copy_ : queues_;
+            queues.set_uniform("parity", parity);
+            gl::dispatch(queues, uvec3(1));
         };
-        clock.time_copy([&] { dispatch_kernels(true); });
-        clock.time_part([&] {
-            dispatch_kernels(false);
-            queues_.set_uniform("parity", parity);
-            gl::dispatch(queues_, uvec3(1));
-        });
+        clock.time_copy([&] { dispatch_round(true); });
+        clock.time_part([&] { dispatch_round(false); });
         for (const Kernel kernel : kAllKernels) {
             if (variant_.uses(kernel)) ++run.of(kernel).passes;
         }
-        ++run.other_passes;
+        ++run.rounds;
     }
 }
 

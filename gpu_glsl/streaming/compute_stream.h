@@ -22,6 +22,9 @@ namespace onepass::streaming {
 
 class ComputeStream {
   public:
+    /// What the pass that each round has beside its kernels' is called among the costs.
+    static constexpr const char* kRoundPass = "passes_queue";
+
     /// `context` must outlive it.
     ComputeStream(const Shaders& shaders, const gl::GlContext& context, const Variant& variant,
                   bool measures_copies);
@@ -70,6 +73,7 @@ class ComputeStream {
     bool measures_copies_;
     gl::Program generate_;
     gl::Program queues_;
+    std::optional<gl::Program> queues_copy_;
     std::vector<KernelPrograms> kernels_;
     gl::Program resolve_;
     std::optional<State> state_;

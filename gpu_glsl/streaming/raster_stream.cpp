@@ -251,14 +251,13 @@ Run RasterStream::run(const gl::Framebuffer& results) {
         run_rounds(clock, done);
         clock.time_part([&] { gl::draw_fullscreen(resolve_, results); });
     });
-    done.other_passes += 2;
+    done.ends = 2;
 
     // The mask of a round reads every control word and writes it and a depth.
     const uint64_t rays = uint64_t{state_->width} * state_->height;
-    const uint64_t rounds = done.other_passes - 2;
     add_kernel_bytes(variant_, rays, {}, done);
-    done.bytes_read += rounds * rays * 4;
-    done.bytes_written += rounds * rays * 8;
+    done.bytes_read += done.rounds * rays * 4;
+    done.bytes_written += done.rounds * rays * 8;
     return done;
 }
 
@@ -307,7 +306,7 @@ void RasterStream::run_rounds(const Clock& clock, Run& run) {
                 ++run.of(kernel).passes;
             }
         });
-        ++run.other_passes;
+        ++run.rounds;
         if (unread.size() > kCountDelay) read_oldest_round();
     }
     while (!unread.empty()) read_oldest_round();

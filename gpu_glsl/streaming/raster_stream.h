@@ -22,6 +22,9 @@ namespace onepass::streaming {
 
 class RasterStream {
   public:
+    /// What the pass that each round has beside its kernels' is called among the costs.
+    static constexpr const char* kRoundPass = "passes_mask";
+
     /// `context` must outlive it.
     RasterStream(const Shaders& shaders, const gl::GlContext& context, const Variant& variant,
                  bool measures_copies);

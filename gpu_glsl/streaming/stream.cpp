@@ -88,7 +88,8 @@ void add(const Run& part, Run& whole) {
         whole.of(kernel).passes += part.of(kernel).passes;
         whole.of(kernel).rays += part.of(kernel).rays;
     }
-    whole.other_passes += part.other_passes;
+    whole.rounds += part.rounds;
+    whole.ends += part.ends;
     whole.bytes_read += part.bytes_read;
     whole.bytes_written += part.bytes_written;
     whole.grid_bytes += part.grid_bytes;

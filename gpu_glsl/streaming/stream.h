@@ -83,7 +83,8 @@ struct KernelWork {
 /// neither the grid's nor the results'.
 struct Run {
     std::array<KernelWork, 3> kernels;
-    uint64_t other_passes = 0;  ///< generate, masks or queues, resolve
+    uint64_t rounds = 0;  ///< each has one more pass, that masks (raster) or turns queues (compute)
+    uint64_t ends = 0;    ///< passes of generate and resolve
     uint64_t bytes_read = 0;
     uint64_t bytes_written = 0;
     uint64_t grid_bytes = 0;  ///< 0 without counters

@@ -151,12 +151,13 @@ class StreamingTracer final : public Tracer {
     std::vector<Stat> costs(const streaming::Run& run, bool counters) const {
         using streaming::Kernel;
         const auto number = [](uint64_t value) { return static_cast<double>(value); };
-        uint64_t passes = run.other_passes;
+        uint64_t passes = run.rounds + run.ends;
         for (const streaming::KernelWork& work : run.kernels) passes += work.passes;
         std::vector<Stat> stats = {{"passes", number(passes), "of all kinds"}};
         for (const Kernel kernel : streaming::kAllKernels) {
             stats.push_back({"passes_" + to_string(kernel), number(run.of(kernel).passes), ""});
         }
+        stats.push_back({Stream::kRoundPass, number(run.rounds), ""});
         for (const Kernel kernel : streaming::kAllKernels) {
             stats.push_back({"rays_" + to_string(kernel), number(run.of(kernel).rays),
                              "handled by these passes; a ray counts once a pass"});
