@@ -17,9 +17,8 @@ constexpr size_t kCountDelay = 3;
 /// Shade is drawn in every so many rounds: rays wait for it a little, and it finds more of them.
 constexpr uint64_t kShadeInterval = 2;
 
-/// Locations of the fragment outputs that are not texels of floats.
-constexpr uint32_t kWorkLocation = 5;
-constexpr uint32_t kIdLocation = 6;
+/// Locations of the fragment outputs that come after texels of floats and integers.
+constexpr uint32_t kWorkLocation = 6;
 constexpr uint32_t kControlLocation = 7;
 
 /// One texture of a kernel's part: its place, and what follows the part's name in a sampler's.
@@ -40,10 +39,10 @@ std::vector<Piece> pieces_of(Kernel kernel, const Variant& variant) {
             {static_cast<uint32_t>(i), fmt::format("{}", i), gl::TexelFormat::rgba32f});
     }
     if (kernel == Kernel::intersect) {
-        pieces.push_back({kIdLocation, "_ids", gl::TexelFormat::rg32ui});
+        pieces.push_back({kHitTexels, "_ids", gl::TexelFormat::rg32ui});
     }
     if (kernel == Kernel::shade) {
-        pieces.push_back({kIdLocation, "_ids", gl::TexelFormat::rgba32ui});
+        pieces.push_back({kPathTexels, "_ids", gl::TexelFormat::rgba32ui});
     }
     if (kernel != Kernel::shade && variant.counters) {
         pieces.push_back({kWorkLocation, "_work", gl::TexelFormat::rgba32ui});

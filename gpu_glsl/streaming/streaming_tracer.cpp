@@ -20,9 +20,6 @@ namespace {
 using glm::uint;
 #include "gpu_glsl/shaders/shared/streaming_layout.h"
 
-/// Rays in flight at most. Their state takes up to 500 bytes a ray; more come in turns.
-constexpr size_t kMaxRays = size_t{1} << 20;
-
 /// Steps a pass takes, unless a user says otherwise. See gpu_glsl/README.md.
 constexpr const char* kDefaultSteps = "1";
 
@@ -36,10 +33,11 @@ template <class Stream>
 class StreamingTracer final : public Tracer {
   public:
     StreamingTracer(std::string name, PreparedStrategy prepared, GpuEntry entry,
-                    const gl::ShaderLibrary& library, gl::GlContext& context)
+                    const gl::ShaderLibrary& library, gl::GlContext& context, size_t max_rays)
         : name_(std::move(name)),
           prepared_(std::move(prepared)),
           context_(context),
+          max_rays_(max_rays),
           measures_copies_(prepared_.params.integer("measure_copy") != 0),
           shaders_(prepared_, library, textures_,
                    glsl_version_for(prepared_.info, entry, context.description().gl)) {
@@ -73,9 +71,9 @@ class StreamingTracer final : public Tracer {
 
     RayBatch upload(std::span<const Ray> rays) override {
         auto resident = std::make_shared<RaysOnDevice>();
-        for (size_t first = 0; first < rays.size(); first += kMaxRays) {
+        for (size_t first = 0; first < rays.size(); first += max_rays_) {
             resident->chunks.push_back(
-                Stream::upload(rays.subspan(first, std::min(kMaxRays, rays.size() - first))));
+                Stream::upload(rays.subspan(first, std::min(max_rays_, rays.size() - first))));
         }
         return {rays.size(), std::move(resident)};
     }
@@ -113,7 +111,7 @@ class StreamingTracer final : public Tracer {
 
         // In bands of whole rows, as many as may be in flight.
         const auto band_rows = static_cast<uint32_t>(
-            std::max<size_t>(1, kMaxRays / std::max<uint32_t>(1, settings.width)));
+            std::max<size_t>(1, max_rays_ / std::max<uint32_t>(1, settings.width)));
         streaming::Run whole;
         for (uint32_t row = 0; row < settings.height; row += band_rows) {
             Stream& stream =
@@ -180,6 +178,7 @@ class StreamingTracer final : public Tracer {
     std::string name_;
     PreparedStrategy prepared_;
     gl::GlContext& context_;
+    size_t max_rays_;  // in flight
     bool measures_copies_;
     std::vector<gl::Texture> textures_;
     streaming::Shaders shaders_;
@@ -214,13 +213,13 @@ gl::StrategyInfo streaming_info(const gl::StrategyInfo& paper) {
 
 std::unique_ptr<Tracer> make_streaming_tracer(std::string name, PreparedStrategy prepared,
                                               GpuEntry entry, const gl::ShaderLibrary& library,
-                                              gl::GlContext& context) {
+                                              gl::GlContext& context, size_t max_rays_in_flight) {
     if (entry == GpuEntry::compute) {
         return std::make_unique<StreamingTracer<streaming::ComputeStream>>(
-            std::move(name), std::move(prepared), entry, library, context);
+            std::move(name), std::move(prepared), entry, library, context, max_rays_in_flight);
     }
     return std::make_unique<StreamingTracer<streaming::RasterStream>>(
-        std::move(name), std::move(prepared), entry, library, context);
+        std::move(name), std::move(prepared), entry, library, context, max_rays_in_flight);
 }
 
 }  // namespace onepass

@@ -21,11 +21,16 @@ namespace onepass {
 /// parameters, and those of streaming itself.
 gl::StrategyInfo streaming_info(const gl::StrategyInfo& paper);
 
+/// Rays in flight at once. Their state takes up to 500 bytes a ray; a larger batch, or image, is
+/// done in parts.
+inline constexpr size_t kMaxRaysInFlight = size_t{1} << 20;
+
 /// `prepared`: by prepare_strategy() with streaming_info(). `library` and `context` must outlive
 /// the tracer. Moving instances are not supported: update() throws. Throws: Error if the context
 /// lacks what the entry needs, or for a bad parameter.
 std::unique_ptr<Tracer> make_streaming_tracer(std::string name, PreparedStrategy prepared,
                                               GpuEntry entry, const gl::ShaderLibrary& library,
-                                              gl::GlContext& context);
+                                              gl::GlContext& context,
+                                              size_t max_rays_in_flight = kMaxRaysInFlight);
 
 }  // namespace onepass

@@ -9,7 +9,7 @@ const uint kTurnTraverse = 0u;
 const uint kTurnIntersect = 1u;
 const uint kTurnShade = 2u;
 const uint kTurnNone = 3u;       // the ray (of a frame: the pixel) has its answer
-const uint kNewRay = 4u;         // its walk has not begun
+const uint kBegins = 4u;         // its walk through the grid at hand has not begun
 const uint kHasHitState = 8u;    // the stored hit is this ray's; else it has none yet
 const uint kAtObject = 16u;      // it walks the grid of an object
 const uint kOutOfBudget = 32u;   // a walk ended by its budget: RayFlag exhausted
@@ -25,7 +25,7 @@ const uint kLightMask = 32767u;
 
 // ---- What each kernel owns, in texels of four floats -------------------------------------------
 
-const int kWalkTexels = 5;  // traverse
+const int kWalkTexels = 6;  // traverse
 const int kHitTexels = 1;   // intersect; and a texel of two integers
 const int kPathTexels = 6;  // shade; and a texel of four integers
 

@@ -3,7 +3,7 @@
 
 // Goes on with the cell's list for at most steps_per_pass triangles.
 void intersect(Ray ray, Walks s, INOUT(HitState) state, INOUT(uint) control) {
-    Instance instance = fetch_instance(fetch_reference_again(s.list.address));
+    Instance instance = fetch_instance(s.instance);
     int first_triangle = fetch_grid(instance.grid).first_triangle;
     count_record();
     count_record();
@@ -36,14 +36,15 @@ void main() {
         control = load_control();
         Ray ray = load_ray(control);
         // What only traverse needs comes back as 0.
-        vec4 d = load_walk_d(control);
         vec4 e = load_walk_e(control);
-        Walks walks = unpack_walks(WalkTexels(vec4(0.0), vec4(0.0), vec4(0.0), d, e));
+        vec4 f = load_walk_f(control);
+        vec4 none = vec4(0.0);
+        Walks walks = unpack_walks(WalkTexels(none, none, none, none, e, f));
         HitState state = load_own_hit(control);
         reset_counters();
         grid_bytes = 0u;
         if (copy_only) {
-            control |= touched(ray) | touched(d) | touched(e);
+            control |= touched(ray) | touched(e) | touched(f);
         } else {
             intersect(ray, walks, state, control);
         }

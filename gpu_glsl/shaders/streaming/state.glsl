@@ -21,36 +21,43 @@ CONSTANT(int, reference_bytes)
 // ---- Both levels' walks: owned by traverse -----------------------------------------------------
 
 struct Walks {
+    // Through the top-level grid.
     vec3 top_voxel;
     vec3 top_next_ts;
     float top_t_start;
-    int top_steps;   // of the step budget
-    CellList list;   // what remains of the top cell's list; the instance at hand comes first
-    vec3 voxel;      // in the grid of that instance's object
+    float top_t_end;
+    int top_steps;  // of the step budget
+    CellList list;  // what remains of the cell's list; an instance that is at hand comes first
+
+    // Through the grid of the object of the instance at hand.
+    vec2 instance;  // its address
+    vec3 voxel;
     vec3 next_ts;
-    float t_start;   // the ray's part inside that voxel
+    float t_start;
     float t_end;
     int steps;
 };
 
-// The first three are traverse's alone; intersect reads the last two.
+// Intersect reads only the last two.
 struct WalkTexels {
     vec4 a;
     vec4 b;
     vec4 c;
     vec4 d;
     vec4 e;
+    vec4 f;
 };
 
 WalkTexels pack_walks(Walks w) {
     return WalkTexels(vec4(w.top_voxel, w.top_t_start), vec4(w.top_next_ts, float(w.top_steps)),
+                      vec4(w.list.address, float(w.list.count), w.top_t_end),
                       vec4(w.next_ts, float(w.steps)), vec4(w.voxel, w.t_start),
-                      vec4(w.list.address, float(w.list.count), w.t_end));
+                      vec4(w.instance, w.t_end, 0.0));
 }
 
 Walks unpack_walks(WalkTexels w) {
-    return Walks(w.a.xyz, w.b.xyz, w.a.w, int(w.b.w), CellList(w.e.xy, int(w.e.z)), w.d.xyz,
-                 w.c.xyz, w.d.w, w.e.w, int(w.c.w));
+    return Walks(w.a.xyz, w.b.xyz, w.a.w, w.c.w, int(w.b.w), CellList(w.c.xy, int(w.c.z)), w.f.xy,
+                 w.e.xyz, w.d.xyz, w.e.w, w.f.z, int(w.d.w));
 }
 
 // ---- The best hit so far: owned by intersect ---------------------------------------------------
@@ -76,7 +83,7 @@ int depth_of(uint control) { return int((control >> kDepthShift) & kDepthMask); 
 // A ray of a path that no kernel has seen yet; keeps the flags and sides of `control`.
 uint with_new_ray(uint control, int light, int depth) {
     uint kept = control & (kOutOfBudget | kWalkSide | kHitSide | kPathSide);
-    return kept | kTurnTraverse | kNewRay | (uint(light + 1) << kLightShift) |
+    return kept | kTurnTraverse | kBegins | (uint(light + 1) << kLightShift) |
            (uint(depth) << kDepthShift);
 }
 
@@ -90,15 +97,7 @@ void count_record() {
     if (count_work) grid_bytes += 64u;
 }
 
-// A reference, or a cell, that an earlier pass has read and counted.
-vec2 fetch_reference_again(vec2 address) {
-    vec2 reference = fetch_reference(address);
-    if (count_work) {
-        --references_read;
-        grid_bytes += uint(reference_bytes);
-    }
-    return reference;
-}
+// A cell that an earlier pass has read and counted.
 CellList fetch_cell_again(vec3 voxel) {
     if (count_work) grid_bytes += uint(cell_bytes);
     return fetch_cell(voxel + 0.5 * cell_size());

@@ -1,24 +1,10 @@
 // Kernel: walks both grids until the ray stands before a list of triangles, or is at its end.
 //
-// The paper's two loops (strategies/paper.glsl, lib/paper/object_level.glsl), turned inside out: a loop
-// that can stop after any step and go on in a later pass. The order of steps, and so every rounding,
-// is the single pass's.
+// The paper's two levels of loops (strategies/paper.glsl, lib/paper/object_level.glsl) turned inside out:
+// one loop that can stop after any cell and go on in a later pass, and that walks whichever of the two
+// grids the ray is in by the same code. The order of a ray's steps, and so every rounding, is the single
+// pass's.
 #include "streaming/state.glsl"
-
-// A ray within the grid of one instance's object.
-struct ObjectWalk {
-    Grid grid;
-    Walk walk;
-};
-
-ObjectWalk begin_object_walk(vec2 address, Ray ray, float t_start, float t_stop) {
-    Instance instance = fetch_instance(address);
-    Grid grid = fetch_grid(instance.grid);
-    count_record();
-    count_record();
-    return ObjectWalk(grid, begin_walk(grid, object_origin(instance, ray),
-                                       object_direction(instance, ray), t_start, t_stop));
-}
 
 // The walk, as begin_walk() made it anew, brought to where an earlier pass left it.
 void resume_walk(INOUT(Walk) walk, vec3 voxel, vec3 next_ts, float t_start) {
@@ -30,91 +16,108 @@ void resume_walk(INOUT(Walk) walk, vec3 voxel, vec3 next_ts, float t_start) {
 
 // Goes on with `ray`, whose best hit so far is at `hit_t`, for at most steps_per_pass cells.
 void traverse(Ray ray, float hit_t, INOUT(Walks) s, INOUT(uint) control) {
-    // The top level: begin, or resume.
-    Grid grid = fetch_grid(top_grid_address());
-    count_record();
-    Walk walk = begin_walk(grid, ray.org, ray.dir, ray.tmin, ray.tmax);
-    bool at_object = (control & kAtObject) != 0u;
-    bool resuming = at_object;
-    if ((control & kNewRay) != 0u) {
-        control &= ~kNewRay;
-        ++rays_cast;
-        if (missed(walk, grid)) {
-            control = with_turn(control, kTurnShade);
-            return;
-        }
-        s.list = list_of_cell(walk);
-        s.top_steps = 0;
-    } else {
-        resume_walk(walk, s.top_voxel, s.top_next_ts, s.top_t_start);
-    }
-
     uint turn = kTurnTraverse;
-    for (int n = 0; n < steps_per_pass && turn == kTurnTraverse;) {
-        // A turn of the merged top loop (figure 3): step, or take the next instance.
-        if (!at_object) {
-            ++n;
-            if (s.top_steps >= grid.step_budget) {
-                control |= kOutOfBudget;
-                turn = kTurnShade;
-                break;
-            }
-            ++s.top_steps;
-            if (s.list.count == 0) {
-                if (hit_t <= walk.t_end || !next_voxel(grid, walk)) {
-                    turn = kTurnShade;
-                } else {
-                    s.list = list_of_cell(walk);
-                }
-                continue;
-            }
-        }
-
-        // The object level, from its beginning or from the cell whose triangles have been tested.
-        float t_first = clip_to_cell == 1 ? walk.t_start : ray.tmin;
-        float t_last = clip_to_cell == 1 ? walk.t_end : ray.tmax;
-        vec2 address = resuming ? fetch_reference_again(s.list.address)
-                                : fetch_reference(s.list.address);
-        ObjectWalk object = begin_object_walk(address, ray, t_first, t_last);
-        bool leaves = false;
-        if (resuming) {
-            resume_walk(object.walk, s.voxel, s.next_ts, s.t_start);
-        } else {
-            s.steps = 0;
-            leaves = missed(object.walk, object.grid);
-        }
-        bool stands_in_new_cell = !resuming;
-        at_object = true;
-        resuming = false;
-        for (; at_object && turn == kTurnTraverse && (stands_in_new_cell || n < steps_per_pass);) {
-            if (!stands_in_new_cell) {
-                ++n;
-                ++s.steps;
-                leaves = hit_t <= object.walk.t_end || !next_voxel(object.grid, object.walk);
-            }
-            stands_in_new_cell = false;
-            if (!leaves && s.steps >= object.grid.step_budget) {
-                control |= kOutOfBudget;
-                leaves = true;
-            }
-            if (leaves) {
-                s.list.address = next_reference(s.list.address);
-                --s.list.count;
-                at_object = false;
-            } else if (list_of_cell(object.walk).count > 0) {
-                turn = kTurnIntersect;
-            }
-        }
-        s.voxel = object.walk.voxel;
-        s.next_ts = object.walk.next_ts;
-        s.t_start = object.walk.t_start;
-        s.t_end = object.walk.t_end;
+    bool begins = (control & kBegins) != 0u;
+    bool at_object = (control & kAtObject) != 0u;
+    if (begins && !at_object) {
+        ++rays_cast;
+        s.top_steps = 0;
+        s.list.count = 0;
     }
+    for (int n = 0; n < steps_per_pass && turn == kTurnTraverse;) {
+        // The grid at hand, and the ray in its frame.
+        vec3 org = ray.org;
+        vec3 dir = ray.dir;
+        float t_first = ray.tmin;
+        float t_stop = ray.tmax;
+        vec2 grid_address = top_grid_address();
+        if (at_object) {
+            Instance instance = fetch_instance(s.instance);
+            count_record();
+            org = object_origin(instance, ray);
+            dir = object_direction(instance, ray);
+            grid_address = instance.grid;
+            if (clip_to_cell == 1) {
+                t_first = s.top_t_start;
+                t_stop = s.top_t_end;
+            }
+        }
+        Grid grid = fetch_grid(grid_address);
+        count_record();
 
-    s.top_voxel = walk.voxel;
-    s.top_next_ts = walk.next_ts;
-    s.top_t_start = walk.t_start;
-    control = with_turn(at_object ? control | kAtObject : control & ~kAtObject, turn);
+        // The walk: begun, or resumed.
+        Walk walk = begin_walk(grid, org, dir, t_first, t_stop);
+        int steps = at_object ? s.steps : s.top_steps;
+        if (!begins) {
+            resume_walk(walk, at_object ? s.voxel : s.top_voxel,
+                        at_object ? s.next_ts : s.top_next_ts,
+                        at_object ? s.t_start : s.top_t_start);
+        }
+
+        // Cell by cell, until the level or the turn changes.
+        bool in_object = at_object;
+        while (n < steps_per_pass && turn == kTurnTraverse && at_object == in_object) {
+            ++n;
+
+            // Step, but not from a top-level cell that has instances left. The budgets are asked where
+            // the two loops of the single pass ask them: on the top level before the step.
+            bool moves = !begins && (in_object || s.list.count == 0);
+            bool exhausted = moves && !in_object && steps >= grid.step_budget;
+            bool ends = begins ? missed(walk, grid)
+                               : moves && (hit_t <= walk.t_end || !next_voxel(grid, walk));
+            if (moves) ++steps;
+            if (in_object && !ends) exhausted = steps >= grid.step_budget;
+            if (exhausted) control |= kOutOfBudget;
+            ends = ends || exhausted;
+
+            // Look into the cell.
+            CellList list = s.list;
+            if (!ends && (begins || moves)) list = list_of_cell(walk);
+            begins = false;
+            if (in_object) {
+                if (ends) {
+                    // Back to the top level, and past this instance.
+                    s.list.address = next_reference(s.list.address);
+                    --s.list.count;
+                    at_object = false;
+                } else if (list.count > 0) {
+                    turn = kTurnIntersect;
+                }
+            } else {
+                s.list = list;
+                if (!ends && list.count > 0 && steps >= grid.step_budget) {
+                    control |= kOutOfBudget;
+                    ends = true;
+                }
+                if (ends) {
+                    turn = casting ? kTurnNone : kTurnShade;
+                } else if (list.count > 0) {
+                    // Take the next instance.
+                    ++steps;
+                    s.instance = fetch_reference(list.address);
+                    s.steps = 0;
+                    at_object = true;
+                    begins = true;
+                }
+            }
+        }
+
+        if (in_object) {
+            s.voxel = walk.voxel;
+            s.next_ts = walk.next_ts;
+            s.t_start = walk.t_start;
+            s.t_end = walk.t_end;
+            s.steps = steps;
+        } else {
+            s.top_voxel = walk.voxel;
+            s.top_next_ts = walk.next_ts;
+            s.top_t_start = walk.t_start;
+            s.top_t_end = walk.t_end;
+            s.top_steps = steps;
+        }
+    }
+    control = with_turn(control & ~(kBegins | kAtObject), turn) | (begins ? kBegins : 0u) |
+              (at_object ? kAtObject : 0u);
 }
 
 void main() {

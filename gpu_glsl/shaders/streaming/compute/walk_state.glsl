@@ -21,7 +21,8 @@ Ray load_ray(uint control) {
 WalkTexels load_walks() {
     return WalkTexels(walk_texels[ray_index], walk_texels[ray_index + ray_count],
                       walk_texels[ray_index + 2 * ray_count], walk_texels[ray_index + 3 * ray_count],
-                      walk_texels[ray_index + 4 * ray_count]);
+                      walk_texels[ray_index + 4 * ray_count],
+                      walk_texels[ray_index + 5 * ray_count]);
 }
 void store_walks(WalkTexels texels) {
     walk_texels[ray_index] = texels.a;
@@ -29,6 +30,7 @@ void store_walks(WalkTexels texels) {
     walk_texels[ray_index + 2 * ray_count] = texels.c;
     walk_texels[ray_index + 3 * ray_count] = texels.d;
     walk_texels[ray_index + 4 * ray_count] = texels.e;
+    walk_texels[ray_index + 5 * ray_count] = texels.f;
 }
-vec4 load_walk_d(uint control) { return walk_texels[ray_index + 3 * ray_count]; }
 vec4 load_walk_e(uint control) { return walk_texels[ray_index + 4 * ray_count]; }
+vec4 load_walk_f(uint control) { return walk_texels[ray_index + 5 * ray_count]; }

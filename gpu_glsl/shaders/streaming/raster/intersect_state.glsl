@@ -2,8 +2,8 @@
 #include "streaming/raster/own_state.glsl"
 
 layout(location = 0) out vec4 out_hit;
-layout(location = 5) out uvec4 out_work;
-layout(location = 6) out uvec2 out_ids;
+layout(location = 1) out uvec2 out_ids;
+layout(location = 6) out uvec4 out_work;
 
 HitState load_own_hit(uint control) {
     return unpack_hit(control, FETCH2D(own0, HERE), FETCH2D(own_ids, HERE).xy);

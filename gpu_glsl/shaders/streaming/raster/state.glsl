@@ -16,11 +16,11 @@ uniform usampler2D control_copy;
 TEXTURE2D(ray_origins)     // of given rays: org, tmin
 TEXTURE2D(ray_directions)  // dir, tmax
 
-// What other kernels own. SIDE(part, bit): the newest texel of a part.
-TEXTURE2D(walk3_0)
-TEXTURE2D(walk3_1)
+// What other kernels own, and NEWEST(part, bit): the texel on its newest side.
 TEXTURE2D(walk4_0)
 TEXTURE2D(walk4_1)
+TEXTURE2D(walk5_0)
+TEXTURE2D(walk5_1)
 TEXTURE2D(hit0_0)
 TEXTURE2D(hit0_1)
 TEXTURE2D(path0_0)
@@ -51,8 +51,8 @@ Ray load_ray(uint control) {
     return Ray(origin.xyz, 0.0, direction.xyz, path_tmax(light_of(control)));
 }
 
-vec4 load_walk_d(uint control) { return NEWEST(walk3, kWalkSide); }
 vec4 load_walk_e(uint control) { return NEWEST(walk4, kWalkSide); }
+vec4 load_walk_f(uint control) { return NEWEST(walk5, kWalkSide); }
 
 Hit load_hit(uint control) {
     return unpack_hit(control, NEWEST(hit0, kHitSide), NEWEST(hit_ids, kHitSide).xy).hit;
