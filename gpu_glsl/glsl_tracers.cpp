@@ -9,6 +9,7 @@
 #include "gpu_glsl/brute_force.h"
 #include "gpu_glsl/gpu_tracer.h"
 #include "gpu_glsl/prepared_strategy.h"
+#include "gpu_glsl/streaming/streaming_tracer.h"
 #include "gpu_glsl/twin/twin_unit.h"
 #include "gpu_glsl/twin_tracer.h"
 
@@ -87,6 +88,29 @@ CatalogueEntry twin_entry(const gl::StrategyInfo& info, const std::string& stora
     return result;
 }
 
+/// Streaming takes many passes, so it is no strategy file: a C++ tracer over paper's structure.
+std::vector<CatalogueEntry> streaming_entries(const LibraryPtr& library,
+                                              const gl::StrategyInfo& paper,
+                                              const GlContextProvider& context) {
+    const std::string storage = "texture2d";
+    const gl::StrategyInfo info = streaming_info(paper);
+    std::vector<CatalogueEntry> entries;
+    for (const std::string& entry_name : info.entries) {
+        const GpuEntry entry = entry_name == "compute" ? GpuEntry::compute : GpuEntry::fragment;
+        CatalogueEntry result;
+        result.info = tracer_info(info, storage, entry_name, "in " + entry_name + " shaders");
+        result.make = [=](ScenePtr scene, const ParamValues& values) {
+            gl::GlContext& gl_context = context();
+            return make_streaming_tracer(
+                tracer_name(info, storage, entry_name),
+                prepare_strategy(info, storage, std::move(scene), values, limits_of(gl_context)),
+                entry, *library, gl_context);
+        };
+        entries.push_back(std::move(result));
+    }
+    return entries;
+}
+
 }  // namespace
 
 std::vector<CatalogueEntry> glsl_tracers(const gl::ShaderLibrary& library,
@@ -100,6 +124,11 @@ std::vector<CatalogueEntry> glsl_tracers(const gl::ShaderLibrary& library,
             }
             for (const twin::Unit* unit : twin_units_of(info, storage)) {
                 entries.push_back(twin_entry(info, storage, *unit));
+            }
+        }
+        if (info.name == "paper") {
+            for (CatalogueEntry& entry : streaming_entries(shared, info, context)) {
+                entries.push_back(std::move(entry));
             }
         }
     }

@@ -291,6 +291,13 @@ Buffer::Buffer(std::string name, size_t bytes, const void* data)
     check_gl(fmt::format("uploading {} ({} bytes)", what, bytes));
 }
 
+void Buffer::write_bytes(const void* data, size_t bytes) const {
+    ONEPASS_CHECK(bytes <= bytes_);
+    glBindBuffer(GL_COPY_WRITE_BUFFER, id());
+    glBufferSubData(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), data);
+    check_gl(fmt::format("writing storage buffer '{}'", name_));
+}
+
 void Buffer::read_bytes(void* data, size_t bytes) const {
     glBindBuffer(GL_COPY_READ_BUFFER, id());
     glGetBufferSubData(GL_COPY_READ_BUFFER, 0, static_cast<GLsizeiptr>(bytes), data);

@@ -162,12 +162,20 @@ class Buffer {
         return values;
     }
 
+    /// Overwrites the first bytes. The data must fit.
+    template <std::ranges::contiguous_range Range>
+    void write(const Range& range) const {
+        const auto bytes = std::as_bytes(std::span(range));
+        write_bytes(bytes.data(), bytes.size());
+    }
+
     GLuint id() const { return id_.id(); }
     size_t bytes() const { return bytes_; }
     const std::string& name() const { return name_; }
 
   private:
     Buffer(std::string name, size_t bytes, const void* data);
+    void write_bytes(const void* data, size_t bytes) const;
     void read_bytes(void* data, size_t bytes) const;
 
     std::string name_;
