@@ -20,6 +20,8 @@ struct Deviation {
     std::string param;    ///< the parameter that switches it off ...
     std::string value;    ///< ... by this value
     std::string summary;  ///< one line
+
+    bool operator==(const Deviation&) const = default;
 };
 
 struct TracerInfo {

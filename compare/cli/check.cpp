@@ -1,6 +1,6 @@
 // onepass check: every strategy against the oracle, ray by ray and pixel by pixel.
-#include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -81,20 +81,22 @@ std::string failure_text(const CheckRecord& record) {
 }
 
 /// The wrong rays of one record, by the deviation that each disappears without.
-std::string attribution_text(const CheckRecord& record, const Attribution& attribution,
-                             const std::vector<Deviation>& deviations) {
-    std::vector<std::vector<std::string>> rows = {{"deviation", "rays", "gone with", "what it is"}};
-    for (const auto& [id, count] : attribution.record.by_deviation) {
-        const Deviation& deviation = *std::ranges::find(deviations, id, &Deviation::id);
-        rows.push_back({id, std::to_string(count),
-                        fmt::format("{}={}", deviation.param, deviation.value), deviation.summary});
-    }
-    rows.push_back({"unattributed", std::to_string(attribution.record.unattributed), "", ""});
+std::string attribution_text(const CheckRecord& record, const Attribution& attribution) {
     std::string text = fmt::format("{}, {} rays, {}: where {} wrong rays come from\n", record.scene,
                                    record.rays, record.tracer, record.errors());
-    text += format_table(rows);
+    std::map<std::string, Culprit> by_id;
+    for (const Culprit& culprit : attribution.culprits) by_id[culprit.id()] = culprit;
+    for (const auto& [id, count] : attribution.record.by_deviation) {
+        if (count == 0) continue;
+        text += fmt::format("  {} rays by {}\n", count, id);
+        for (const Deviation& deviation : by_id[id].off) {
+            text += fmt::format("    {}: {}; gone with --param {}={}\n", deviation.id,
+                                deviation.summary, deviation.param, deviation.value);
+        }
+    }
+    text += fmt::format("  {} rays unattributed\n", attribution.record.unattributed);
     if (const auto& worst = attribution.worst_unattributed) {
-        text += "    unattributed" + worst_text(worst->verdict.hit_class, *worst);
+        text += worst_text(worst->verdict.hit_class, *worst);
     }
     return text;
 }
@@ -173,8 +175,7 @@ struct CheckRun {
         const Attribution attribution =
             attribute_errors(comparison.wrong, subject.rays.query, *court.judge, suspects);
         comparison.record.attribution = attribution.record;
-        attributions +=
-            attribution_text(comparison.record, attribution, strategy.entry->info.deviations);
+        attributions += attribution_text(comparison.record, attribution);
     }
 
     void check_hits_of(const Court& court, const Case& subject, const SelectedStrategy& strategy,

@@ -22,7 +22,7 @@
 //! deviation: D9a accumulate_ts=0 plane distances are added up and drift
 //! deviation: D9b step_ties=0 a tie steps several axes at once
 //! deviation: D8 guard_zero=1 a direction component of 0 divides to infinity or NaN
-//! deviation: D19 edge_slack=8 edges have no tolerance for rounding
+//! deviation: D19 edge_slack=3 edges have no tolerance for rounding
 //! deviation: D18 local_planes=1 planes are in absolute object coordinates
 
 // The paper's algorithm once more, so that what it says of its own inner loops can be measured.
