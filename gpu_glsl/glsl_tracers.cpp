@@ -156,8 +156,9 @@ gl::ComposedShader compose_tracer_shader(const gl::ShaderLibrary& library, const
             }
         }
     }
-    throw Error({"shader variant", "'" + name + "'", "the full name of a GPU tracer",
-                 "See `onepass list strategies`; twins and Embree have no shader."});
+    throw Error(
+        {"shader variant", "'" + name + "'", "the full name of a GPU tracer",
+         "See `onepass list strategies`; twins and Embree have no shader, streaming has many."});
 }
 
 }  // namespace onepass

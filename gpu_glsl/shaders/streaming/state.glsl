@@ -26,8 +26,8 @@ struct Walks {
     vec3 top_next_ts;
     float top_t_start;
     float top_t_end;
-    int top_steps;  // of the step budget
-    CellList list;  // what remains of the cell's list; an instance that is at hand comes first
+    int top_steps_left;  // of the grid's step budget
+    CellList list;       // what remains of the cell's list; the instance at hand comes first
 
     // Through the grid of the object of the instance at hand.
     vec2 instance;  // its address
@@ -35,7 +35,7 @@ struct Walks {
     vec3 next_ts;
     float t_start;
     float t_end;
-    int steps;
+    int steps_left;
 };
 
 // Intersect reads only the last two.
@@ -49,9 +49,9 @@ struct WalkTexels {
 };
 
 WalkTexels pack_walks(Walks w) {
-    return WalkTexels(vec4(w.top_voxel, w.top_t_start), vec4(w.top_next_ts, float(w.top_steps)),
+    return WalkTexels(vec4(w.top_voxel, w.top_t_start), vec4(w.top_next_ts, float(w.top_steps_left)),
                       vec4(w.list.address, float(w.list.count), w.top_t_end),
-                      vec4(w.next_ts, float(w.steps)), vec4(w.voxel, w.t_start),
+                      vec4(w.next_ts, float(w.steps_left)), vec4(w.voxel, w.t_start),
                       vec4(w.instance, w.t_end, 0.0));
 }
 
