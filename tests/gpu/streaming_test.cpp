@@ -124,7 +124,6 @@ TEST_F(Streaming, renders_the_very_image_of_paper) {
     const Case cases[] = {
         {balls, {{"steps_per_pass", "1"}}, {.width = 37, .height = 29}},
         {balls, with(kSwitched, "steps_per_pass", "3"), {.width = 33, .height = 17}},
-        {instances, {}, {.width = 37, .height = 29, .max_depth = 2}},
         {instances, {}, {.width = 5, .height = 61, .max_depth = 0, .shadows = false}},
         {balls, {}, {.width = 37, .height = 29, .aovs = false}},
     };

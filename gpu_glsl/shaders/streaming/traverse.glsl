@@ -1,9 +1,9 @@
 // Kernel: walks both grids until the ray stands before a list of triangles, or is at its end.
 //
-// The paper's two levels of loops (strategies/paper.glsl, lib/paper/object_level.glsl) turned inside out:
-// one loop that can stop after any cell and go on in a later pass, and that walks whichever of the two
-// grids the ray is in by the same code. The order of a ray's steps, and so every rounding, is the single
-// pass's.
+// The paper's two levels of loops (strategies/paper.glsl, lib/paper/object_level.glsl) turned
+// inside out: one loop that can stop after any cell and go on in a later pass, and that walks
+// whichever of the two grids the ray is in by the same code. The order of a ray's steps, and so
+// every rounding, is the single pass's.
 #include "streaming/state.glsl"
 
 // The walk, as begin_walk() made it anew, brought to where an earlier pass left it.
@@ -58,8 +58,8 @@ void traverse(Ray ray, float hit_t, INOUT(Walks) s, INOUT(uint) control) {
         while (n < steps_per_pass && turn == kTurnTraverse && !next_level) {
             ++n;
 
-            // Step to the next cell. The budgets are asked where the single pass's loops ask them: on
-            // the top level before a step, below it after one.
+            // Step to the next cell. The budgets are asked where the single pass's loops ask them:
+            // on the top level before a step, below it after one.
             bool exhausted = !in_object && !begins && steps_left <= 0;
             bool ends = begins ? missed(walk, grid)
                                : hit_t <= walk.t_end || !next_voxel(grid, walk);
