@@ -72,10 +72,11 @@ ComputeStream::ComputeStream(const Shaders& shaders, const gl::GlContext& contex
     }
     for (const Kernel kernel : kAllKernels) {
         if (!variant.uses(kernel)) continue;
-        KernelPrograms programs{
-            shaders.compute_program(kernel_files(kernel), variant, Role::kernel), {}};
+        const Variant needed = needed_by(kernel, variant);
+        KernelPrograms programs{shaders.compute_program(kernel_files(kernel), needed, Role::kernel),
+                                {}};
         if (measures_copies) {
-            programs.copy = shaders.compute_program(kernel_files(kernel), variant, Role::copy);
+            programs.copy = shaders.compute_program(kernel_files(kernel), needed, Role::copy);
         }
         for (gl::Program* program : {&programs.kernel, programs.copy ? &*programs.copy : nullptr}) {
             if (program == nullptr) continue;
