@@ -1,5 +1,6 @@
 #include "gpu_glsl/streaming/compute_stream.h"
 
+#include <cstddef>
 #include <functional>
 
 #include <fmt/format.h>
@@ -10,15 +11,17 @@ namespace {
 using glm::uint;
 #include "gpu_glsl/shaders/shared/streaming_layout.h"
 
-/// The record of shaders/streaming/compute/state.glsl (std430).
-struct QueueHead {
-    uint32_t groups[3] = {0, 1, 1};
-    uint32_t count = 0;
-    uint32_t runs_low = 0;
-    uint32_t runs_high = 0;
-    uint32_t unused[2] = {};
-};
-static_assert(sizeof(QueueHead) == 32);
+static_assert(sizeof(QueueHead) == 32 && offsetof(QueueHead, count) == 12,
+              "std430 lays it out so, and an indirect dispatch reads its first three members");
+
+/// Empty queues.
+std::vector<QueueHead> empty_queues() {
+    QueueHead empty{};
+    empty.groups_y = 1;
+    empty.groups_z = 1;
+    // Copies write behind the heads that are in use.
+    return std::vector<QueueHead>(2 * kQueues, empty);
+}
 
 /// Rounds between two looks at the queues. A look waits for the GPU, an idle round costs a few
 /// empty dispatches.
@@ -69,10 +72,11 @@ ComputeStream::ComputeStream(const Shaders& shaders, const gl::GlContext& contex
     }
     for (const Kernel kernel : kAllKernels) {
         if (!variant.uses(kernel)) continue;
-        KernelPrograms programs{
-            shaders.compute_program(kernel_files(kernel), variant, Role::kernel), {}};
+        const Variant needed = needed_by(kernel, variant);
+        KernelPrograms programs{shaders.compute_program(kernel_files(kernel), needed, Role::kernel),
+                                {}};
         if (measures_copies) {
-            programs.copy = shaders.compute_program(kernel_files(kernel), variant, Role::copy);
+            programs.copy = shaders.compute_program(kernel_files(kernel), needed, Role::copy);
         }
         for (gl::Program* program : {&programs.kernel, programs.copy ? &*programs.copy : nullptr}) {
             if (program == nullptr) continue;
@@ -102,7 +106,7 @@ ComputeStream::State::State(const Variant& variant, size_t ray_count)
       work("work", variant.counters ? 2 * rays * sizeof(glm::uvec4) : 0),
       // More than there are: copies write behind them.
       queues("queues", (kQueues + 1) * rays * sizeof(uint32_t)),
-      queue_heads(gl::Buffer::of("queue heads", std::vector<QueueHead>(2 * kQueues))) {}
+      queue_heads(gl::Buffer::of("queue heads", empty_queues())) {}
 
 void ComputeStream::for_all_programs(const std::function<void(gl::Program&)>& action) {
     action(generate_);
@@ -136,7 +140,7 @@ void ComputeStream::prepare_state(size_t rays) {
         });
     }
     if (variant_.counters) gl::clear(state_->work);
-    state_->queue_heads.write(std::vector<QueueHead>(kQueues));
+    state_->queue_heads.write(empty_queues());
 }
 
 // ---- Runs --------------------------------------------------------------------------------------

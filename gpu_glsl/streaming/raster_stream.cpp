@@ -118,10 +118,11 @@ RasterStream::RasterStream(const Shaders& shaders, const gl::GlContext& context,
       resolve_(shaders.fragment_program(resolve_files(variant), variant, Role::over_all_rays)) {
     for (const Kernel kernel : kAllKernels) {
         if (!variant.uses(kernel)) continue;
+        const Variant needed = needed_by(kernel, variant);
         KernelPrograms programs{
-            shaders.fragment_program(kernel_files(kernel), variant, Role::kernel), {}};
+            shaders.fragment_program(kernel_files(kernel), needed, Role::kernel), {}};
         if (measures_copies) {
-            programs.copy = shaders.fragment_program(kernel_files(kernel), variant, Role::copy);
+            programs.copy = shaders.fragment_program(kernel_files(kernel), needed, Role::copy);
         }
         kernels_.push_back(std::move(programs));
     }

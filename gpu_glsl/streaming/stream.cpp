@@ -25,6 +25,12 @@ std::string to_string(Kernel kernel) {
     return kNames[index_of(kernel)];
 }
 
+Variant needed_by(Kernel kernel, const Variant& variant) {
+    Variant needed = variant;
+    if (kernel != Kernel::shade) needed.needs = {};
+    return needed;
+}
+
 // ---- Programs ----------------------------------------------------------------------------------
 
 gl::ComposedShader Shaders::compose(const std::string& stage, const std::vector<std::string>& files,

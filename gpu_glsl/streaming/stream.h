@@ -37,6 +37,9 @@ struct Variant {
     bool operator==(const Variant&) const = default;
 };
 
+/// The part of a variant that a kernel's text depends on: only shade asks what the image needs.
+Variant needed_by(Kernel kernel, const Variant& variant);
+
 /// What a program does with the state.
 enum class Role {
     kernel,

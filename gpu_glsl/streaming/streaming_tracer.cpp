@@ -21,7 +21,7 @@ using glm::uint;
 #include "gpu_glsl/shaders/shared/streaming_layout.h"
 
 /// Steps a pass takes, unless a user says otherwise. See gpu_glsl/README.md.
-constexpr const char* kDefaultSteps = "1";
+constexpr const char* kDefaultSteps = "16";
 
 void check_range(const char* what, uint32_t value, uint32_t most) {
     if (value <= most) return;

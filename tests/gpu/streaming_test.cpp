@@ -26,6 +26,10 @@ const ParamValues kSwitched = {{"edge_tolerance", "1"},
                                {"step_ties", "0"},
                                {"guard_zero", "1"}};
 
+/// Purcell's setting. Most tests use it, and so share their shaders: compiling these takes longer
+/// than running them on a few rays.
+const ParamValues kOneStep = {{"steps_per_pass", "1"}};
+
 ParamValues with(ParamValues params, const std::string& name, const std::string& value) {
     params[name] = value;
     return params;
@@ -97,17 +101,16 @@ TEST_F(Streaming, casts_the_very_hits_of_paper) {
              {random_rays(scene_bounds(*scene), 400, 7), awkward_rays(*scene)}) {
             rays.insert(rays.end(), more.begin(), more.end());
         }
-        for (const ParamValues& params : {ParamValues{}, kSwitched}) {
+        const std::pair<ParamValues, const char*> settings[] = {{{}, "1"}, {kSwitched, "7"}};
+        for (const auto& [params, steps] : settings) {
             const auto paper = make("paper", "fragment", scene, params);
             const CastResult expected = cast(*paper, rays, {.counters = true});
             EXPECT_GT(hit_count(expected.hits), 200u);
             for (const char* entry : kEntries) {
-                for (const char* steps : {"1", "7"}) {
-                    const auto streaming =
-                        make("streaming", entry, scene, with(params, "steps_per_pass", steps));
-                    expect_same_answers(cast(*streaming, rays, {.counters = true}), expected,
-                                        fmt::format("{} {} {}", name, entry, steps));
-                }
+                const auto streaming =
+                    make("streaming", entry, scene, with(params, "steps_per_pass", steps));
+                expect_same_answers(cast(*streaming, rays, {.counters = true}), expected,
+                                    fmt::format("{} {} {}", name, entry, steps));
             }
         }
     }
@@ -123,11 +126,8 @@ TEST_F(Streaming, renders_the_very_image_of_paper) {
     };
     // Sizes that no group, row or tile divides.
     const Case cases[] = {
-        {balls, {}, {.width = 37, .height = 29}},
-        {balls, {{"steps_per_pass", "7"}}, {.width = 37, .height = 29}},
-        {balls, with(kSwitched, "steps_per_pass", "3"), {.width = 33, .height = 17}},
-        {instances, {}, {.width = 37, .height = 29, .max_depth = 2}},
-        {instances, {}, {.width = 5, .height = 61, .max_depth = 0, .shadows = false}},
+        {balls, kOneStep, {.width = 37, .height = 29}},
+        {instances, kOneStep, {.width = 5, .height = 61, .max_depth = 0, .shadows = false}},
         {balls, {}, {.width = 37, .height = 29, .aovs = false}},
     };
     for (const Case& c : cases) {
@@ -165,8 +165,7 @@ TEST_F(Streaming, runs_out_of_budget_where_paper_does) {
         EXPECT_GT(std::accumulate(expected.flags.begin(), expected.flags.end(), 0u), 0u);
         for (const GpuEntry entry : {GpuEntry::fragment, GpuEntry::compute}) {
             const auto many = make_streaming_tracer(
-                "streaming", prepare(streaming_info(paper), {{"steps_per_pass", "2"}}), entry,
-                library, *context);
+                "streaming", prepare(streaming_info(paper), kOneStep), entry, library, *context);
             expect_same_answers(cast(*many, rays, {.counters = true}), expected,
                                 fmt::format("budget {}", budget));
         }
@@ -177,7 +176,7 @@ TEST_F(Streaming, counts_what_its_passes_did) {
     const ScenePtr scene = share(make_instances());
     const std::vector<Ray> rays = primary_rays(*scene, 48, 40);
     for (const char* entry : kEntries) {
-        const auto one = make("streaming", entry, scene, {{"steps_per_pass", "1"}});
+        const auto one = make("streaming", entry, scene, kOneStep);
         const auto eight = make("streaming", entry, scene, {{"steps_per_pass", "8"}});
         const CastResult result = cast(*one, rays);
         const CastResult counted = cast(*one, rays, {.counters = true});
@@ -237,7 +236,7 @@ TEST_F(Streaming, stops_soon_after_the_last_ray) {
     const Ray through{box.centre() - vec3(0, 0, 2) * box.diagonal(), 0.0f, vec3(0, 0, 1),
                       kInfinity};
     for (const char* entry : kEntries) {
-        const auto tracer = make("streaming", entry, scene, {{"steps_per_pass", "1"}});
+        const auto tracer = make("streaming", entry, scene, kOneStep);
         const CastResult misses = cast(*tracer, std::vector<Ray>(100, away));
         EXPECT_EQ(hit_count(misses.hits), 0u);
         // One round does it; the rest is the delay until the CPU knows.
@@ -257,7 +256,7 @@ TEST_F(Streaming, can_be_used_again_and_between_runs_of_paper) {
     const RenderSettings settings{.width = 33, .height = 21};
     const Camera& camera = scene->cameras.front();
     for (const char* entry : kEntries) {
-        const auto streaming = make("streaming", entry, scene, {{"steps_per_pass", "5"}});
+        const auto streaming = make("streaming", entry, scene, kOneStep);
         const auto paper = make("paper", entry, scene);
         const RayBatch all_rays = streaming->upload(rays);
         const CastResult expected = cast(*paper, rays);
@@ -284,7 +283,7 @@ TEST_F(Streaming, more_rays_than_may_be_in_flight_come_in_parts) {
         const auto tracer =
             make_streaming_tracer("streaming",
                                   prepare_strategy(streaming_info(paper_of(library.strategies())),
-                                                   "texture2d", scene, {}, {}),
+                                                   "texture2d", scene, kOneStep, {}),
                                   entry, library, *context, kInFlight);
         expect_same_answers(cast(*tracer, rays), cast(*paper, rays), "rays");
         expect_same_frames(tracer->render(scene->cameras.front(), settings),
@@ -296,8 +295,8 @@ TEST_F(Streaming, measuring_copies_changes_no_answer) {
     const ScenePtr scene = share(make_instances());
     const RenderSettings settings{.width = 40, .height = 30};
     for (const char* entry : kEntries) {
-        const auto plain = make("streaming", entry, scene);
-        const auto measured = make("streaming", entry, scene, {{"measure_copy", "1"}});
+        const auto plain = make("streaming", entry, scene, kOneStep);
+        const auto measured = make("streaming", entry, scene, with(kOneStep, "measure_copy", "1"));
         const Frame expected = plain->render(scene->cameras.front(), settings);
         const Frame frame = measured->render(scene->cameras.front(), settings);
         expect_same_frames(frame, expected, entry);
@@ -315,7 +314,7 @@ TEST_F(Streaming, refuses_what_it_cannot_do) {
     for (const char* entry : kEntries) {
         EXPECT_THROW(make("streaming", entry, scene, {{"steps_per_pass", "0"}}), Error);
         EXPECT_THROW(make("streaming", entry, scene, {{"edge_tolerance", "wide"}}), Error);
-        const auto tracer = make("streaming", entry, scene);
+        const auto tracer = make("streaming", entry, scene, kOneStep);
         EXPECT_THROW(tracer->update({}), Error);
         EXPECT_THROW(
             tracer->render(scene->cameras.front(), {.width = 8, .height = 8, .max_depth = 1000}),

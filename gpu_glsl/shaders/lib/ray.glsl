@@ -28,8 +28,8 @@ bool is_hit(Hit hit) { return hit.inst_id != kNoId; }
 const int kSurfaceRay = -1;
 float path_tmax(int light) { return light == kSurfaceRay ? infinity() : 1.0; }
 
-// Work done since the last reset_counters(). A strategy counts as it goes; the compiler drops it all
-// when count_work is false.
+// Work done since the last reset_counters(). A strategy counts as it goes; the compiler drops it
+// all when count_work is false.
 CONSTANT(bool, count_work)
 uint cells_visited;
 uint triangle_tests;

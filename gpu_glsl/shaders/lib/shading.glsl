@@ -1,8 +1,8 @@
 // Phong shading, and the ray tree of a pixel ray by ray: primary, shadow and reflection rays.
 //
-// next_ray() takes the answer to one ray and says what the next one is for. Who casts the rays is left
-// open: lib/trace_pixel.glsl does it in a loop of one pass, streaming/shade.glsl in many passes.
-// core/shading.h states the same model over callables; a test compares the two.
+// next_ray() takes the answer to one ray and says what the next one is for. Who casts the rays is
+// left open: lib/trace_pixel.glsl does it in a loop of one pass, streaming/shade.glsl in many
+// passes. core/shading.h states the same model over callables; a test compares the two.
 #pragma once
 #include "lib/camera.glsl"
 #include "lib/math.glsl"
@@ -70,8 +70,8 @@ vec3 phong(SurfacePoint point, Light light) {
 
 // A pixel's ray tree while it is being traced: everything that must be known between two rays.
 //
-// One ray is in flight at a time. A single pass keeps a Path in registers; a multi-pass tracer stores
-// it between passes, and makes `point` and `contribution` again.
+// One ray is in flight at a time. A single pass keeps a Path in registers; a multi-pass tracer
+// stores it between passes, and makes `point` and `contribution` again.
 struct Path {
     Pixel pixel;
     SurfacePoint point;

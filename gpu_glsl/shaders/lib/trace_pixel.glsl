@@ -1,8 +1,8 @@
 // A pixel in a single pass: its whole ray tree in one loop.
 //
 // Adinetz & Berezin, section 4: one fragment shader traces everything through one ray-casting
-// procedure. So there is one call of closest_hit(), and the loop around it asks what the next ray is
-// for.
+// procedure. So there is one call of closest_hit(), and the loop around it asks what the next ray
+// is for.
 #pragma once
 #include "lib/shading.glsl"
 

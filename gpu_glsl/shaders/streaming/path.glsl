@@ -1,15 +1,15 @@
-// The path of a pixel between two rays, as shade stores it: lib/shading.glsl's Path without what can be
-// made again from it.
+// The path of a pixel between two rays, as shade stores it: lib/shading.glsl's Path without what
+// can be made again from it.
 #pragma once
 #include "lib/shading.glsl"
 #include "streaming/state.glsl"
 
 struct PathState {
-    vec3 org;       // of the ray in flight
+    vec3 org;         // of the ray in flight
     vec3 dir;
-    vec3 position;  // of the surface whose light is being gathered
+    vec3 position;    // of the surface whose light is being gathered
     vec3 seen_along;  // the direction in which that surface was met
-    Hit surface;    // on which triangle, and where; t is not kept
+    Hit surface;      // on which triangle, and where; t is not kept
     vec3 direct;
     float weight;
     vec3 color;
@@ -27,11 +27,10 @@ struct PathTexels {
 };
 
 PathTexels pack_path(PathState s) {
-    return PathTexels(vec4(s.org, s.weight), vec4(s.dir, s.surface.u), vec4(s.position, s.surface.v),
-                      vec4(s.seen_along, s.primary.t), vec4(s.direct, s.primary.u),
-                      vec4(s.color, s.primary.v),
-                      uvec4(s.surface.prim_id, s.surface.inst_id, s.primary.prim_id,
-                            s.primary.inst_id));
+    return PathTexels(
+        vec4(s.org, s.weight), vec4(s.dir, s.surface.u), vec4(s.position, s.surface.v),
+        vec4(s.seen_along, s.primary.t), vec4(s.direct, s.primary.u), vec4(s.color, s.primary.v),
+        uvec4(s.surface.prim_id, s.surface.inst_id, s.primary.prim_id, s.primary.inst_id));
 }
 
 PathState unpack_path(PathTexels t) {

@@ -1,8 +1,8 @@
 // The state of a ray between two passes, as the kernels see it.
 //
-// Each kernel owns one part of the state, which no other kernel writes: traverse the walks, intersect
-// the hit, shade the path. Only the control word is written by all. Where the parts lie is the business
-// of the two forms: raster/ keeps them in textures, compute/ in buffers.
+// Each kernel owns one part of the state, which no other kernel writes: traverse the walks,
+// intersect the hit, shade the path. Only the control word is written by all. Where the parts lie
+// is the business of the two forms: raster/ keeps them in textures, compute/ in buffers.
 //
 // Little is stored. What a function of the strategy computes from ray and grid (the ray in grid
 // coordinates, the steps and the exit of a walk) it computes again in every pass, to the same bits.
@@ -14,7 +14,7 @@
 
 CONSTANT(int, steps_per_pass)
 CONSTANT(bool, casting)          // given rays; else an image
-CONSTANT(bool, copy_only)        // a pass that moves the same bytes as a kernel, and does nothing else
+CONSTANT(bool, copy_only)        // moves the same bytes as the kernel, and does nothing else
 CONSTANT(int, cell_bytes)        // of one texel
 CONSTANT(int, reference_bytes)
 
@@ -26,8 +26,8 @@ struct Walks {
     vec3 top_next_ts;
     float top_t_start;
     float top_t_end;
-    int top_steps;  // of the step budget
-    CellList list;  // what remains of the cell's list; an instance that is at hand comes first
+    int top_steps_left;  // of the grid's step budget
+    CellList list;       // what remains of the cell's list; the instance at hand comes first
 
     // Through the grid of the object of the instance at hand.
     vec2 instance;  // its address
@@ -35,7 +35,7 @@ struct Walks {
     vec3 next_ts;
     float t_start;
     float t_end;
-    int steps;
+    int steps_left;
 };
 
 // Intersect reads only the last two.
@@ -49,10 +49,11 @@ struct WalkTexels {
 };
 
 WalkTexels pack_walks(Walks w) {
-    return WalkTexels(vec4(w.top_voxel, w.top_t_start), vec4(w.top_next_ts, float(w.top_steps)),
-                      vec4(w.list.address, float(w.list.count), w.top_t_end),
-                      vec4(w.next_ts, float(w.steps)), vec4(w.voxel, w.t_start),
-                      vec4(w.instance, w.t_end, 0.0));
+    return WalkTexels(
+        vec4(w.top_voxel, w.top_t_start), vec4(w.top_next_ts, float(w.top_steps_left)),
+        vec4(w.list.address, float(w.list.count), w.top_t_end),
+        vec4(w.next_ts, float(w.steps_left)), vec4(w.voxel, w.t_start),
+        vec4(w.instance, w.t_end, 0.0));
 }
 
 Walks unpack_walks(WalkTexels w) {
@@ -118,7 +119,9 @@ uint touched(vec4 v) {
     uvec4 bits = floatBitsToUint(v);
     return nothing & (bits.x ^ bits.y ^ bits.z ^ bits.w);
 }
-uint touched(Ray ray) { return touched(vec4(ray.org, ray.tmin)) | touched(vec4(ray.dir, ray.tmax)); }
+uint touched(Ray ray) {
+    return touched(vec4(ray.org, ray.tmin)) | touched(vec4(ray.dir, ray.tmax));
+}
 uint touched(Hit hit) {
     return touched(vec4(hit.t, hit.u, hit.v, 0.0)) | (nothing & (hit.prim_id ^ hit.inst_id));
 }

@@ -1,9 +1,9 @@
 // Kernel: walks both grids until the ray stands before a list of triangles, or is at its end.
 //
-// The paper's two levels of loops (strategies/paper.glsl, lib/paper/object_level.glsl) turned inside out:
-// one loop that can stop after any cell and go on in a later pass, and that walks whichever of the two
-// grids the ray is in by the same code. The order of a ray's steps, and so every rounding, is the single
-// pass's.
+// The paper's two levels of loops (strategies/paper.glsl, lib/paper/object_level.glsl) turned
+// inside out: one loop that can stop after any cell and go on in a later pass, and that walks
+// whichever of the two grids the ray is in by the same code. The order of a ray's steps, and so
+// every rounding, is the single pass's.
 #include "streaming/state.glsl"
 
 // The walk, as begin_walk() made it anew, brought to where an earlier pass left it.
@@ -17,13 +17,10 @@ void resume_walk(INOUT(Walk) walk, vec3 voxel, vec3 next_ts, float t_start) {
 // Goes on with `ray`, whose best hit so far is at `hit_t`, for at most steps_per_pass cells.
 void traverse(Ray ray, float hit_t, INOUT(Walks) s, INOUT(uint) control) {
     uint turn = kTurnTraverse;
+    uint finished_turn = casting ? kTurnNone : kTurnShade;
     bool begins = (control & kBegins) != 0u;
     bool at_object = (control & kAtObject) != 0u;
-    if (begins && !at_object) {
-        ++rays_cast;
-        s.top_steps = 0;
-        s.list.count = 0;
-    }
+    if (begins && !at_object) ++rays_cast;
     for (int n = 0; n < steps_per_pass && turn == kTurnTraverse;) {
         // The grid at hand, and the ray in its frame.
         vec3 org = ray.org;
@@ -47,8 +44,9 @@ void traverse(Ray ray, float hit_t, INOUT(Walks) s, INOUT(uint) control) {
 
         // The walk: begun, or resumed.
         Walk walk = begin_walk(grid, org, dir, t_first, t_stop);
-        int steps = at_object ? s.steps : s.top_steps;
+        int steps_left = grid.step_budget;
         if (!begins) {
+            steps_left = at_object ? s.steps_left : s.top_steps_left;
             resume_walk(walk, at_object ? s.voxel : s.top_voxel,
                         at_object ? s.next_ts : s.top_next_ts,
                         at_object ? s.t_start : s.top_t_start);
@@ -56,50 +54,51 @@ void traverse(Ray ray, float hit_t, INOUT(Walks) s, INOUT(uint) control) {
 
         // Cell by cell, until the level or the turn changes.
         bool in_object = at_object;
-        while (n < steps_per_pass && turn == kTurnTraverse && at_object == in_object) {
+        bool next_level = false;
+        while (n < steps_per_pass && turn == kTurnTraverse && !next_level) {
             ++n;
 
-            // Step, but not from a top-level cell that has instances left. The budgets are asked where
-            // the two loops of the single pass ask them: on the top level before the step.
-            bool moves = !begins && (in_object || s.list.count == 0);
-            bool exhausted = moves && !in_object && steps >= grid.step_budget;
+            // Step to the next cell. The budgets are asked where the single pass's loops ask them:
+            // on the top level before a step, below it after one.
+            bool exhausted = !in_object && !begins && steps_left <= 0;
             bool ends = begins ? missed(walk, grid)
-                               : moves && (hit_t <= walk.t_end || !next_voxel(grid, walk));
-            if (moves) ++steps;
-            if (in_object && !ends) exhausted = steps >= grid.step_budget;
-            if (exhausted) control |= kOutOfBudget;
+                               : hit_t <= walk.t_end || !next_voxel(grid, walk);
+            if (!begins) --steps_left;
+            if (in_object && !ends) exhausted = steps_left <= 0;
             ends = ends || exhausted;
 
             // Look into the cell.
             CellList list = s.list;
-            if (!ends && (begins || moves)) list = list_of_cell(walk);
+            if (!ends) list = list_of_cell(walk);
             begins = false;
-            if (in_object) {
-                if (ends) {
-                    // Back to the top level, and past this instance.
-                    s.list.address = next_reference(s.list.address);
-                    --s.list.count;
-                    at_object = false;
-                } else if (list.count > 0) {
-                    turn = kTurnIntersect;
-                }
-            } else {
+            if (!in_object) {
                 s.list = list;
-                if (!ends && list.count > 0 && steps >= grid.step_budget) {
-                    control |= kOutOfBudget;
-                    ends = true;
-                }
-                if (ends) {
-                    turn = casting ? kTurnNone : kTurnShade;
-                } else if (list.count > 0) {
-                    // Take the next instance.
-                    ++steps;
-                    s.instance = fetch_reference(list.address);
-                    s.steps = 0;
+                s.top_steps_left = steps_left;
+                if (ends) turn = finished_turn;
+            } else if (ends) {
+                // Back to the top level, and past this instance.
+                s.list.address = next_reference(s.list.address);
+                --s.list.count;
+                at_object = false;
+            } else if (list.count > 0) {
+                turn = kTurnIntersect;
+            }
+
+            // From the top level, or back on it, take the next instance: a turn of its merged loop
+            // (figure 3).
+            if (!at_object && turn == kTurnTraverse && s.list.count > 0) {
+                if (s.top_steps_left <= 0) {
+                    exhausted = true;
+                    turn = finished_turn;
+                } else {
+                    --s.top_steps_left;
+                    s.instance = fetch_reference(s.list.address);
                     at_object = true;
                     begins = true;
                 }
             }
+            if (exhausted) control |= kOutOfBudget;
+            next_level = begins || at_object != in_object;
         }
 
         if (in_object) {
@@ -107,13 +106,12 @@ void traverse(Ray ray, float hit_t, INOUT(Walks) s, INOUT(uint) control) {
             s.next_ts = walk.next_ts;
             s.t_start = walk.t_start;
             s.t_end = walk.t_end;
-            s.steps = steps;
+            s.steps_left = steps_left;
         } else {
             s.top_voxel = walk.voxel;
             s.top_next_ts = walk.next_ts;
             s.top_t_start = walk.t_start;
             s.top_t_end = walk.t_end;
-            s.top_steps = steps;
         }
     }
     control = with_turn(control & ~(kBegins | kAtObject), turn) | (begins ? kBegins : 0u) |

@@ -10,10 +10,11 @@ vec4 load_path_texel(uint control, int index) { return path_texels[ray_index + i
 uvec4 load_path_ids(uint control) { return path_ids[ray_index]; }
 
 PathTexels load_path() {
-    return PathTexels(path_texels[ray_index], path_texels[ray_index + ray_count],
-                      path_texels[ray_index + 2 * ray_count], path_texels[ray_index + 3 * ray_count],
-                      path_texels[ray_index + 4 * ray_count], path_texels[ray_index + 5 * ray_count],
-                      path_ids[ray_index]);
+    return PathTexels(
+        path_texels[ray_index], path_texels[ray_index + ray_count],
+        path_texels[ray_index + 2 * ray_count], path_texels[ray_index + 3 * ray_count],
+        path_texels[ray_index + 4 * ray_count], path_texels[ray_index + 5 * ray_count],
+        path_ids[ray_index]);
 }
 void store_path(PathTexels texels) {
     path_texels[ray_index] = texels.a;

@@ -1,5 +1,5 @@
-// Compute form, once a round, after its kernels: empties the queues that were consumed and makes the
-// filled ones ready. One invocation.
+// Compute form, once a round, after its kernels: empties the queues that were consumed and makes
+// the filled ones ready. One invocation.
 #include "lib/dialect.glsl"
 #include "shared/streaming_layout.h"
 
@@ -7,16 +7,6 @@ CONSTANT(bool, copy_only)
 
 layout(local_size_x = 1) in;
 
-struct QueueHead {
-    uint groups_x;
-    uint groups_y;
-    uint groups_z;
-    uint count;
-    uint runs_low;
-    uint runs_high;
-    uint unused0;
-    uint unused1;
-};
 layout(std430) buffer QueueHeads { QueueHead heads[]; };
 
 uniform int parity;  // of the round that has run

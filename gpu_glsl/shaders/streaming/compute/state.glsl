@@ -1,12 +1,12 @@
 // Compute form: the state in buffers, in place, and rays in queues, two for each kernel.
 //
-// A pass runs one kernel over the rays in its queue, and each of them then joins the queue of the kernel
-// whose turn is next. Those are other queues, consumed in the next round; so the kernels of a round
-// touch different rays and need no order among themselves. A ray's place in a queue depends on chance,
-// its answer does not: no kernel looks at another ray.
+// A pass runs one kernel over the rays in its queue, and each of them then joins the queue of the
+// kernel whose turn is next. Those are other queues, consumed in the next round; so the kernels of
+// a round touch different rays and need no order among themselves. A ray's place in a queue depends
+// on chance, its answer does not: no kernel looks at another ray.
 //
-// Texel k of ray i has index i + k * ray_count, so that neighbours read neighbours. A kernel includes only
-// the files whose buffers it uses: OpenGL promises no more than eight.
+// Texel k of ray i has index i + k * ray_count, so that neighbours read neighbours. A kernel
+// includes only the files whose buffers it uses: OpenGL promises no more than eight.
 #pragma once
 #include "streaming/state.glsl"
 
@@ -14,16 +14,6 @@ layout(local_size_x = 64) in;  // kQueueGroupSize
 
 layout(std430) buffer ControlBuffer { uint control_words[]; };
 
-struct QueueHead {
-    uint groups_x;  // the indirect dispatch that consumes the queue
-    uint groups_y;
-    uint groups_z;
-    uint count;     // rays in the queue
-    uint runs_low;  // rays that this queue has held in all the rounds so far, 64 bits
-    uint runs_high;
-    uint unused0;
-    uint unused1;
-};
 layout(std430) buffer QueueHeads { QueueHead heads[]; };
 layout(std430) buffer QueueBuffer { uint queued_rays[]; };
 

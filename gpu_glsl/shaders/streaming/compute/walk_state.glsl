@@ -3,7 +3,8 @@
 #include "streaming/compute/hit_state.glsl"
 #include "streaming/compute/work_state.glsl"
 
-// Given rays: org and tmin, dir and tmax, side by side. Of an image: the first two texels of the path.
+// Given rays: org and tmin, dir and tmax, side by side. Of an image: the first two texels of the
+// path.
 layout(std430) readonly buffer RayBuffer { vec4 ray_texels[]; };
 layout(std430) buffer WalkBuffer { vec4 walk_texels[]; };
 
@@ -19,10 +20,10 @@ Ray load_ray(uint control) {
 }
 
 WalkTexels load_walks() {
-    return WalkTexels(walk_texels[ray_index], walk_texels[ray_index + ray_count],
-                      walk_texels[ray_index + 2 * ray_count], walk_texels[ray_index + 3 * ray_count],
-                      walk_texels[ray_index + 4 * ray_count],
-                      walk_texels[ray_index + 5 * ray_count]);
+    return WalkTexels(
+        walk_texels[ray_index], walk_texels[ray_index + ray_count],
+        walk_texels[ray_index + 2 * ray_count], walk_texels[ray_index + 3 * ray_count],
+        walk_texels[ray_index + 4 * ray_count], walk_texels[ray_index + 5 * ray_count]);
 }
 void store_walks(WalkTexels texels) {
     walk_texels[ray_index] = texels.a;

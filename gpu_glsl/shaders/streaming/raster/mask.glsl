@@ -1,9 +1,9 @@
 // Raster form, once a round: the depth buffer becomes the mask of the round's kernels.
 //
-// Each ray's depth says which kernel it waits for. A kernel's pass is drawn at that kernel's depth with
-// the test "equal": the hardware drops all other fragments before their shader runs (early depth
-// test), and an occlusion query counts the rest. The pass also copies the control words, because the
-// kernels write them.
+// Each ray's depth says which kernel it waits for. A kernel's pass is drawn at that kernel's depth
+// with the test "equal": the hardware drops all other fragments before their shader runs (early
+// depth test), and an occlusion query counts the rest. The pass also copies the control words,
+// because the kernels write them.
 #include "shared/streaming_layout.h"
 
 uniform usampler2D control_words;

@@ -1,5 +1,5 @@
-// Raster form: the part of the state that the running kernel owns, on the side it may read, and what
-// every kernel writes beside it.
+// Raster form: the part of the state that the running kernel owns, on the side it may read, and
+// what every kernel writes beside it.
 //
 // Locations: texels of floats from 0 on, then integers; work 6, control word 7.
 #pragma once

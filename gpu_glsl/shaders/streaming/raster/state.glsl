@@ -1,11 +1,12 @@
 // Raster form: the state in textures, a ray a texel.
 //
-// A pass cannot write the texture it reads, so each kernel's part of the state is kept twice, on side 0
-// and side 1. A pass reads the kernel's own part on one side and writes the other; the host swaps them
-// from pass to pass. A fragment that the depth test kills writes nothing, and so its newest state stays
-// where it was: on its own side, which the control word names for each part. A ray whose newest
-// state lies on the side that a pass is to write sits that pass out (raster/mask.glsl). So nothing is
-// ever copied just to keep the sides alike, and stale texels are never read.
+// A pass cannot write the texture it reads, so each kernel's part of the state is kept twice, on
+// side 0 and side 1. A pass reads the kernel's own part on one side and writes the other; the host
+// swaps them from pass to pass. A fragment that the depth test kills writes nothing, and so its
+// newest state stays where it was: on its own side, which the control word names for each part. A
+// ray whose newest state lies on the side that a pass is to write sits that pass out
+// (raster/mask.glsl). So nothing is ever copied just to keep the sides alike, and stale texels are
+// never read.
 //
 // The control word needs no second side: kernels write it and read the mask pass's copy of it.
 #pragma once
@@ -31,7 +32,8 @@ uniform usampler2D hit_ids_0;
 uniform usampler2D hit_ids_1;
 uniform int first_row;  // of the image, in the textures' row 0
 #define HERE ivec2(gl_FragCoord.xy)
-#define NEWEST(part, side) ((control & side) == 0u ? FETCH2D(part##_0, HERE) : FETCH2D(part##_1, HERE))
+#define NEWEST(part, side) \
+    ((control & side) == 0u ? FETCH2D(part##_0, HERE) : FETCH2D(part##_1, HERE))
 
 bool open_state() { return true; }
 void close_state(bool has_ray, uint turn) {}
