@@ -82,6 +82,7 @@ std::vector<Setting> densities() {
         all.push_back(paper({{"density", density}}));
         all.back().size = std::stod(density);
     }
+    all.push_back(paper({{"top_density", "4"}}));
     return all;
 }
 
@@ -174,8 +175,9 @@ std::vector<Claim> make_claims() {
                   {{Quantity::errors, Expectation::possible}}}})},
         {"float-geometry", "Geometry needs 32-bit floats: 16-bit ones leave holes.", "section 4",
          kNoFigure, "16-bit against 32-bit geometry",
-         "16-bit planes have to add errors, be they stored in the object's frame or "
-         "relative to the grid.",
+         "16-bit planes have to add errors, be they stored in the object's frame or relative to "
+         "the "
+         "triangle's first corner.",
          Reading::each,
          on({"knife", "balls-1", "sr71a"},
             rays(paper(),
@@ -404,7 +406,7 @@ std::string finding_of(const Claim& claim, const std::vector<ClaimMeasurement>& 
     std::string text = ratios(measurements);
     if (!text.empty()) text = fmt::format("{}: {}", claim.compares, text);
     if (claim.reading == Reading::series) text += crossing(measurements);
-    size_t missing = 0;
+    size_t missing = 0, undecided = 0;
     std::string refusal;
     for (const ClaimMeasurement& m : measurements) {
         if (m.expectation == Expectation::possible && m.verdict == ClaimVerdict::fails) {
@@ -412,9 +414,13 @@ std::string finding_of(const Claim& claim, const std::vector<ClaimMeasurement>& 
                                    m.variant, m.scene);
         }
         const bool wanted = m.expectation != Expectation::none;
+        undecided += m.verdict == ClaimVerdict::depends ? 1 : 0;
         missing += wanted && m.verdict == ClaimVerdict::not_measured ? 1 : 0;
     }
     text += refusal;
+    if (undecided > 0) {
+        text += fmt::format("; {} of {} within the noise", undecided, measurements.size());
+    }
     if (missing > 0) {
         text += fmt::format("{}{} of {} could not be measured", text.empty() ? "" : "; ", missing,
                             measurements.size());

@@ -394,6 +394,7 @@ class ExperimentRun {
     }
 
     void read(ClaimMeasurement& m) const {
+        if (m.failure.empty()) m.failure = wrongness(m);
         if (!m.failure.empty()) return;
         const bool counted = m.again_samples.empty();
         if (counted) {
@@ -408,6 +409,19 @@ class ExperimentRun {
             m.noise = std::max(std::abs(again.low - 1.0), std::abs(again.high - 1.0));
         }
         m.verdict = verdict_of(m);
+    }
+
+    /// Why a side's speed is none; empty for what is no speed.
+    static std::string wrongness(const ClaimMeasurement& m) {
+        const bool is_speed = m.quantity == to_string(Quantity::time) ||
+                              m.quantity == to_string(Quantity::traffic) ||
+                              m.quantity == to_string(Quantity::bandwidth);
+        const auto most = static_cast<uint64_t>(kMostErrors * static_cast<double>(m.rays));
+        if (!is_speed || std::max(m.baseline_errors, m.variant_errors) <= most) return "";
+        const bool variant = m.variant_errors > most;
+        return fmt::format("{} errs on {} of {} rays: its speed means nothing",
+                           variant ? m.variant : m.baseline,
+                           variant ? m.variant_errors : m.baseline_errors, m.rays);
     }
 
     /// A variant that its own tracer refuses is an answer where being possible is the question.

@@ -17,8 +17,8 @@
 
     // A log axis labels 1, 2 and 5 of each decade; more would collide.
     const logTick = (value) => {
-        const digit = Math.round(value / 10 ** Math.floor(Math.log10(value) + 1e-9));
-        return [1, 2, 5].includes(digit) ? short(value) : null;
+        const lead = value / 10 ** Math.floor(Math.log10(value) + 1e-9);
+        return [1, 2, 5].some((digit) => Math.abs(lead - digit) < 1e-6) ? short(value) : null;
     };
 
     // A log axis that ends a little beyond its data instead of at the next decade.
