@@ -71,7 +71,8 @@ std::vector<Experiment> ball_series() {
                        64,
                        paper(),
                        {{kBruteForce, {}, SceneForm::as_is, triangles}},
-                       {kSlower}});
+                       {kSlower},
+                       true});
     }
     return all;
 }
@@ -228,7 +229,8 @@ std::vector<Claim> make_claims() {
                                         64,
                                         paper(),
                                         {{kBruteForce}},
-                                        {{Quantity::time, Expectation::above, 100.0}}})},
+                                        {{Quantity::time, Expectation::above, 100.0}},
+                                        true})},
         {"brute-force", "The grid beats brute force, however small the scene.", "not claimed",
          "not asked", "brute force against grids",
          "Brute force has to be slower on each of a series of balls of 16 to 34,848 triangles, "

@@ -58,6 +58,7 @@ struct Experiment {
     Setting baseline{};
     std::vector<Setting> variants{};
     std::vector<Probe> probes{};
+    bool fixed_side = false;  ///< the same number of rays on every device
 };
 
 /// How a claim's verdict follows from those of its measurements.

@@ -127,7 +127,7 @@ class ExperimentRun {
         return stages_.emplace(form, std::move(stage)).first->second;
     }
 
-    uint32_t side_length() const { return image_side(workshop_, experiment_.side); }
+    uint32_t side_length() const { return image_side(workshop_, experiment_); }
 
     // ---- Measuring.
 
@@ -446,8 +446,9 @@ class ExperimentRun {
 
 }  // namespace
 
-uint32_t image_side(const Workshop& workshop, uint32_t side) {
-    return std::max(kLeastSide, side / workshop.shrink);
+uint32_t image_side(const Workshop& workshop, const Experiment& experiment) {
+    const uint32_t grow = experiment.fixed_side ? 1 : workshop.grow;
+    return std::max(kLeastSide, experiment.side * grow / workshop.shrink);
 }
 
 std::string params_text(const ParamValues& params) {

@@ -36,13 +36,14 @@ struct Workshop {
     std::function<std::vector<std::vector<Affine>>(const Scene& scene, uint32_t frames)> poses;
     TimingOptions timing;
     uint32_t frames = 16;  ///< of an animation
+    uint32_t grow = 1;     ///< multiplies the sides of images that are not fixed
     uint32_t shrink = 1;   ///< divides the sides of all images, down to kLeastSide
 };
 
 inline constexpr uint32_t kLeastSide = 16;
 
-/// `side` divided by the workshop's shrink.
-uint32_t image_side(const Workshop& workshop, uint32_t side);
+/// Pixels a side of the experiment's image in this workshop.
+uint32_t image_side(const Workshop& workshop, const Experiment& experiment);
 
 /// The setting as the page names it: "paper_claims/texture2d (top_loop=nested)".
 std::string label_of(const Setting& setting);

@@ -159,6 +159,21 @@ std::vector<std::vector<Affine>> evenly_posed(const Scene& scene, uint32_t frame
 
 }  // namespace
 
+PaperEffort paper_effort(bool software_renderer, bool quick) {
+    PaperEffort effort;
+    if (quick) {
+        effort.timing.repetitions = kLeastRepetitions;
+        effort.timing.warm_up_rounds = 0;
+        effort.timing.warm_up_ms = 0.0;
+        effort.frames = 2;
+        effort.shrink = 16;
+    } else if (!software_renderer) {
+        effort.timing.warm_up_ms = 1000.0;  // an idle chip clocks low
+        effort.grow = 4;
+    }
+    return effort;
+}
+
 bool measure_paper_scene(Session& session, const std::string& scene,
                          const std::vector<std::string>& entries, const PaperEffort& effort,
                          const fs::path& folder, const Progress& progress, Results& results) {
@@ -206,6 +221,7 @@ Workshop make_workshop(const Session& session, const PaperEffort& effort) {
     workshop.timing = effort.timing;
     workshop.timing.seed = session.globals.seed;
     workshop.frames = effort.frames;
+    workshop.grow = effort.grow;
     workshop.shrink = effort.shrink;
     return workshop;
 }

@@ -16,16 +16,13 @@ namespace onepass::cli {
 struct PaperEffort {
     TimingOptions timing{.repetitions = 15, .warm_up_rounds = 2, .warm_up_ms = 300.0, .seed = 0};
     uint32_t frames = 16;  ///< of an animation
+    uint32_t grow = 1;     ///< multiplies the sides of the claims' images
     uint32_t shrink = 1;   ///< divides the sides of all images
-
-    /// To see that everything runs; its figures say nothing.
-    static PaperEffort quick() {
-        return {
-            {.repetitions = kLeastRepetitions, .warm_up_rounds = 0, .warm_up_ms = 0.0, .seed = 0},
-            2,
-            16};
-    }
 };
+
+/// For a quarter of an hour on two cores; a GPU gets images four times as wide, since it traces the
+/// small ones in less time than a launch takes. `quick`: tiny images, to see that all steps run.
+PaperEffort paper_effort(bool software_renderer, bool quick);
 
 /// The tables' row and the figure of one scene: hits checked with their errors attributed, speed by
 /// ray kind, frames, and pictures in `folder`/pictures (empty: none).

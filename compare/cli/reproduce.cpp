@@ -48,7 +48,8 @@ struct Step {
 struct ReproduceRun {
     Session& session;
     const ReproduceCommand& options;
-    const PaperEffort effort = options.quick ? PaperEffort::quick() : PaperEffort{};
+    const PaperEffort effort =
+        paper_effort(session.gl_context().description().software, options.quick);
     const std::vector<std::string> entries = options.entry == "both"
                                                  ? std::vector<std::string>{"fragment", "compute"}
                                                  : std::vector<std::string>{options.entry};
@@ -211,13 +212,13 @@ void list_claims() {
 
 void run(Session& session, const ReproduceCommand& options) {
     if (options.list) return list_claims();
-    ReproduceRun reproduce{session, options};
-    if (options.output.empty() && reproduce.whole) {
+    if (options.output.empty() && options.claims.empty() && options.scenes.empty()) {
         throw Error({"onepass reproduce", "no folder", "-o DIR for the results and the page",
                      "For example -o results/local/paper; --claim alone needs none."});
     }
+    for (const std::string& id : options.claims) find_claim(id);  // before any work
+    ReproduceRun reproduce{session, options};                     // throws without a GL device
     const std::vector<Step> steps = reproduce.steps();
-    session.gl_context();  // without one there is nothing to reproduce
     if (!options.output.empty()) {
         std::error_code ignored;
         fs::create_directories(reproduce.folder / "pictures", ignored);  // PartStore says why not

@@ -257,6 +257,19 @@ TEST_F(Experiments, give_the_errors_of_both_sides_on_the_rays) {
     EXPECT_EQ(claim.verdict, ClaimVerdict::holds);
 }
 
+TEST_F(Experiments, cast_more_rays_in_a_large_workshop_unless_their_number_is_fixed) {
+    Experiment e = experiment({"grid/x/*"}, {Quantity::memory, Expectation::above, 1.0});
+    workshop.grow = 4;
+    EXPECT_EQ(image_side(workshop, e), 64u);
+    e.fixed_side = true;
+    EXPECT_EQ(image_side(workshop, e), 16u);
+    e.side = 512;
+    workshop.shrink = 8;
+    EXPECT_EQ(image_side(workshop, e), 64u);
+    workshop.shrink = 512;
+    EXPECT_EQ(image_side(workshop, e), kLeastSide);
+}
+
 TEST_F(Experiments, grant_no_speed_to_a_tracer_that_is_wrong) {
     const ClaimRecord claim = run(experiment({"grid/x/*", {{"misses", "1"}, {"ms", "1"}}},
                                              {Quantity::time, Expectation::below, 1.0}));
