@@ -92,8 +92,8 @@ TEST(Help, lists_every_command) {
     const TemporaryFolder folder;
     const Outcome outcome = onepass_in(folder, {"--help"});
     EXPECT_EQ(outcome.exit_code, 0);
-    for (const char* command :
-         {"doctor", "list", "render", "check", "bench", "tune", "report", "shader", "scenes"}) {
+    for (const char* command : {"doctor", "list", "render", "check", "bench", "tune", "reproduce",
+                                "report", "shader", "scenes"}) {
         EXPECT_NE(outcome.out.find(std::string("\n  ") + command), std::string::npos) << command;
     }
     EXPECT_NE(outcome.out.find("Exit codes"), std::string::npos);
@@ -461,6 +461,72 @@ TEST(Report, makes_a_page_from_results) {
     const Outcome outcome = onepass_in(folder, {"report", "run.json", "-o", "page.html"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_NE(read_bytes(folder.path() / "page.html").find("balls-1"), std::string::npos);
+}
+
+TEST(Reproduce, makes_data_and_page_keeps_its_parts_and_takes_up_where_it_was) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> reproduce = {"reproduce", "-o",      "out/paper", "--quick",
+                                                "--scene",   "balls-1", "--claim",   "cpu-tracer"};
+    const Outcome first = onepass_in(folder, reproduce);
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    EXPECT_NE(first.out.find("cpu-tracer"), std::string::npos) << first.out;
+    const auto out = folder.path() / "out/paper";
+    const Results results = read_results(out / "partial.json");
+    ASSERT_EQ(results.claims.size(), 1u);
+    EXPECT_FALSE(results.claims[0].measurements.empty());
+    EXPECT_EQ(results.timings.size(), 6u) << "three kinds of rays, by two tracers";
+    EXPECT_NE(read_bytes(out / "partial.html").find("id=\"claims\""), std::string::npos);
+
+    // The page alone, from the data.
+    const Outcome page =
+        onepass_in(folder, {"report", "out/paper/partial.json", "-o", "again.html"});
+    EXPECT_EQ(page.exit_code, 0) << page.err;
+
+    // A part that is gone is made again, the other one is kept.
+    std::filesystem::remove(out / "parts/claim-cpu-tracer.json");
+    const Outcome second = onepass_in(folder, reproduce);
+    EXPECT_NE(second.err.find("scene-balls-1: kept"), std::string::npos) << second.err;
+    EXPECT_EQ(second.err.find("claim-cpu-tracer: kept"), std::string::npos) << second.err;
+    EXPECT_EQ(read_results(out / "partial.json").timings[0].wall_ms, results.timings[0].wall_ms);
+
+    // Other options make another run.
+    const Outcome third = onepass_in(folder, with(reproduce, {"--seed", "7"}));
+    EXPECT_NE(third.err.find("made again: it was made with other options"), std::string::npos);
+    const Outcome fresh = onepass_in(folder, with(reproduce, {"--seed", "7", "--fresh"}));
+    EXPECT_EQ(fresh.err.find("kept"), std::string::npos) << fresh.err;
+}
+
+TEST(Reproduce, stopped_keeps_what_was_finished_and_goes_on_from_there) {
+    const TemporaryFolder folder;
+    std::vector<std::string> reproduce = {"reproduce", "-o", "out", "--quick"};
+    for (const char* scene : {"balls-1", "instances", "big-small"}) {
+        reproduce = with(reproduce, {"--scene", scene});
+    }
+    const pid_t child = start(folder, reproduce);
+    const auto part = folder.path() / "out/parts/scene-balls-1.json";
+    for (int tick = 0; tick < 6000 && !std::filesystem::exists(part); ++tick) usleep(10000);
+    kill(child, SIGINT);
+    const Outcome stopped = finish(folder, child);
+    EXPECT_EQ(stopped.exit_code, 130) << stopped.err;
+    EXPECT_NE(stopped.err.find("of 3 steps"), std::string::npos) << stopped.err;
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "out/partial.json"));
+
+    const Outcome resumed = onepass_in(folder, reproduce);
+    EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+    EXPECT_NE(resumed.err.find("scene-balls-1: kept"), std::string::npos) << resumed.err;
+    EXPECT_EQ(read_results(folder.path() / "out/partial.json").scenes.size(), 3u);
+}
+
+TEST(Reproduce, refuses_what_it_does_not_know_and_lists_what_it_does) {
+    const TemporaryFolder folder;
+    expect_refused(folder, {"reproduce"}, "-o DIR");
+    expect_refused(folder, {"reproduce", "--claim", "world-peace"}, "world-peace");
+    expect_refused(folder, {"reproduce", "-o", "out", "--entry", "vertex"}, "vertex");
+    const Outcome list = onepass_in(folder, {"reproduce", "--list"});
+    EXPECT_EQ(list.exit_code, 0);
+    for (const char* id : {"single-pass", "early-out", "brute-force", "moving-objects"}) {
+        EXPECT_NE(list.out.find(id), std::string::npos) << id;
+    }
 }
 
 TEST(Report, refuses_what_is_no_result) {
