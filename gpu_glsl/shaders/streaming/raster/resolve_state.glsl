@@ -15,12 +15,14 @@ uniform usampler2D hit_work_0;
 uniform usampler2D hit_work_1;
 
 vec4 load_path_texel(uint control, int index) {
-    if (index == 3) return NEWEST(path3, kPathSide);
-    if (index == 4) return NEWEST(path4, kPathSide);
-    return NEWEST(path5, kPathSide);
+    if (index == 3) return newest(control, kPathSide, path3_0, path3_1);
+    if (index == 4) return newest(control, kPathSide, path4_0, path4_1);
+    return newest(control, kPathSide, path5_0, path5_1);
 }
-uvec4 load_path_ids(uint control) { return NEWEST(path_ids, kPathSide); }
+uvec4 load_path_ids(uint control) { return newest(control, kPathSide, path_ids_0, path_ids_1); }
 uvec4 load_walk_work(uint control) {
-    return count_work ? NEWEST(walk_work, kWalkSide) : uvec4(0u);
+    return count_work ? newest(control, kWalkSide, walk_work_0, walk_work_1) : uvec4(0u);
 }
-uvec4 load_hit_work(uint control) { return count_work ? NEWEST(hit_work, kHitSide) : uvec4(0u); }
+uvec4 load_hit_work(uint control) {
+    return count_work ? newest(control, kHitSide, hit_work_0, hit_work_1) : uvec4(0u);
+}

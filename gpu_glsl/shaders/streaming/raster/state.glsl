@@ -17,7 +17,7 @@ uniform usampler2D control_copy;
 TEXTURE2D(ray_origins)     // of given rays: org, tmin
 TEXTURE2D(ray_directions)  // dir, tmax
 
-// What other kernels own, and NEWEST(part, bit): the texel on its newest side.
+// What other kernels own.
 TEXTURE2D(walk4_0)
 TEXTURE2D(walk4_1)
 TEXTURE2D(walk5_0)
@@ -32,8 +32,14 @@ uniform usampler2D hit_ids_0;
 uniform usampler2D hit_ids_1;
 uniform int first_row;  // of the image, in the textures' row 0
 #define HERE ivec2(gl_FragCoord.xy)
-#define NEWEST(part, side) \
-    ((control & side) == 0u ? FETCH2D(part##_0, HERE) : FETCH2D(part##_1, HERE))
+
+// The texel on the side where the ray's newest state of a part lies.
+vec4 newest(uint control, uint side, sampler2D side_0, sampler2D side_1) {
+    return (control & side) == 0u ? FETCH2D(side_0, HERE) : FETCH2D(side_1, HERE);
+}
+uvec4 newest(uint control, uint side, usampler2D side_0, usampler2D side_1) {
+    return (control & side) == 0u ? FETCH2D(side_0, HERE) : FETCH2D(side_1, HERE);
+}
 
 bool open_state() { return true; }
 void close_state(bool has_ray, uint turn) {}
@@ -48,17 +54,18 @@ Ray load_ray(uint control) {
         vec4 direction = FETCH2D(ray_directions, HERE);
         return Ray(origin.xyz, origin.w, direction.xyz, direction.w);
     }
-    vec4 origin = NEWEST(path0, kPathSide);
-    vec4 direction = NEWEST(path1, kPathSide);
+    vec4 origin = newest(control, kPathSide, path0_0, path0_1);
+    vec4 direction = newest(control, kPathSide, path1_0, path1_1);
     return Ray(origin.xyz, 0.0, direction.xyz, path_tmax(light_of(control)));
 }
 
-vec4 load_walk_e(uint control) { return NEWEST(walk4, kWalkSide); }
-vec4 load_walk_f(uint control) { return NEWEST(walk5, kWalkSide); }
+vec4 load_walk_e(uint control) { return newest(control, kWalkSide, walk4_0, walk4_1); }
+vec4 load_walk_f(uint control) { return newest(control, kWalkSide, walk5_0, walk5_1); }
 
 Hit load_hit(uint control) {
-    return unpack_hit(control, NEWEST(hit0, kHitSide), NEWEST(hit_ids, kHitSide).xy).hit;
+    uvec4 ids = newest(control, kHitSide, hit_ids_0, hit_ids_1);
+    return unpack_hit(control, newest(control, kHitSide, hit0_0, hit0_1), ids.xy).hit;
 }
 float load_hit_t(uint control) {
-    return unpack_hit(control, NEWEST(hit0, kHitSide), uvec2(0u)).hit.t;
+    return unpack_hit(control, newest(control, kHitSide, hit0_0, hit0_1), uvec2(0u)).hit.t;
 }
