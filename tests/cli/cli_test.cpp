@@ -205,7 +205,7 @@ TEST(Render, writes_one_file_of_named_channels) {
 // ---- Frames of an animation ----
 
 /// Strategies that `render --frames` must move as Embree does.
-const char* const kMovingStrategies[] = {"embree/fast/threads"};
+const char* const kMovingStrategies[] = {"embree/fast/threads", "paper"};
 
 class RenderFrames : public testing::TestWithParam<const char*> {
   protected:
