@@ -23,9 +23,12 @@ const ParamValues kAllMended = {
     {"guard_zero", "1"},     {"local_planes", "1"}, {"edge_slack", "3"}};
 
 /// One scene of each kind, and all deviations off where instances are turned, stretched and
-/// mirrored.
+/// mirrored. The two small grids of big-small lie side by side: a cell texture that is no cube.
 std::vector<std::pair<std::string, ParamValues>> cases() {
-    return {{"instances", {}}, {"instances", kAllMended}, {"big-small", {}}, {"bunny", {}}};
+    return {{"instances", {}},
+            {"instances", kAllMended},
+            {"big-small", {{"resolution", "12x12x12"}}},
+            {"bunny", {}}};
 }
 
 ParamValues with(ParamValues params, const std::string& name, const std::string& value) {
