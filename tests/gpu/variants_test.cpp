@@ -208,7 +208,7 @@ TEST(VariantLimits, tables_that_a_float_index_cannot_count_are_refused) {
 TEST_F(Variants, half_geometry_leaves_holes_and_takes_half_the_memory) {
     const ScenePtr scene = share(load_scene("bunny").scene);
     const std::vector<Ray> rays = primary_rays(*scene, 128, 128);
-    for (const std::string stage : {"fragment", "compute"}) {
+    for (const std::string stage : kStages) {
         const auto single = make("paper/texture2d/" + stage, scene);
         const auto half = make("paper/texture2d/" + stage, scene, {{"geometry", "half"}});
         EXPECT_EQ(stat(*half, "triangle_bytes"), stat(*single, "triangle_bytes") / 2);
