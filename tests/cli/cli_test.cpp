@@ -396,6 +396,21 @@ TEST(Check, fails_with_exit_code_1_when_a_bound_is_broken) {
     EXPECT_NE(outcome.out.find("> 10"), std::string::npos) << outcome.out;
 }
 
+TEST(Check, says_where_wrong_rays_come_from_and_which_tracer_has_no_image) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        onepass_in(folder, {"check", "instances", "-s", "paper/texture2d/fragment", "-s",
+                            "brute_force", "--rays", "primary", "--size", "64x64", "--attribute"});
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+    EXPECT_NE(outcome.out.find("gone with --param edge_tolerance=1"), std::string::npos)
+        << outcome.out;
+    EXPECT_NE(outcome.out.find("  0 rays unattributed"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("brute_force/texture2d/fragment: answers rays only"),
+              std::string::npos)
+        << outcome.out;
+    EXPECT_EQ(outcome.out.find("paper/texture2d/fragment: answers rays only"), std::string::npos);
+}
+
 TEST(Check, answers_nan_rays_and_counts_them) {
     const TemporaryFolder folder;
     std::vector<Ray> rays(5);
