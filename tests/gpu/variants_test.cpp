@@ -157,8 +157,11 @@ TEST_F(Variants, copies_cost_memory_for_triangles_and_save_references) {
     EXPECT_GE(stat(*copies, "triangle_bytes"), (stat(*shared, "references") - top_references) * 64);
     EXPECT_GT(stat(*copies, "device_bytes"), stat(*shared, "device_bytes"));
     EXPECT_LT(stat(*copies, "reference_bytes"), stat(*shared, "reference_bytes") / 10);
-    // An index takes half of two coordinates.
-    EXPECT_EQ(stat(*arrays, "reference_bytes"), stat(*shared, "reference_bytes") / 2);
+    // An index takes half of two coordinates; and the top level needs no row of its own.
+    constexpr double kLongestRow = 1024 * 8;
+    EXPECT_LE(stat(*arrays, "reference_bytes"), stat(*shared, "reference_bytes") / 2);
+    EXPECT_GE(stat(*arrays, "reference_bytes"),
+              (stat(*shared, "reference_bytes") - kLongestRow) / 2);
     EXPECT_EQ(stat(*arrays, "triangle_bytes"), stat(*shared, "triangle_bytes"));
 }
 
