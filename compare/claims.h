@@ -65,7 +65,7 @@ struct Experiment {
 enum class Reading {
     each,   ///< all of one mind: that verdict; else `depends`
     worst,  ///< of a sweep: a scene's verdict is the worst of its measurements; then as `each`
-    series  ///< as `each`, and `now` says from which size on the ratio exceeds 1
+    series  ///< as `each`, and `now` says up to and from how many triangles it is below and above 1
 };
 
 struct Claim {

@@ -19,9 +19,12 @@ namespace {
 
 // ---- One measurement.
 
-std::string with_unit(const std::vector<double>& samples, const std::string& unit) {
-    if (samples.empty()) return "–";
-    return fmt::format("{}<small>{}</small>", significant(median(samples)), escape(unit));
+std::string medians(const ClaimMeasurement& m) {
+    const auto text = [](const std::vector<double>& samples) {
+        return samples.empty() ? std::string("–") : significant(median(samples));
+    };
+    return fmt::format("{} → {}<small>{}</small>", text(m.baseline_samples),
+                       text(m.variant_samples), escape(m.unit));
 }
 
 std::string ratio_text(const ClaimMeasurement& m) {
@@ -55,14 +58,13 @@ std::string measurement_row(const ClaimMeasurement& m) {
                                    escape(m.scene), escape(m.work), counted(m.rays, "ray"));
     html += cell(measurement_verdict(m), "text");
     html += cell(escape(m.quantity), "text");
-    html += cell(fmt::format("<code>{}</code>", breakable(escape(m.baseline))), "text");
-    html += cell(fmt::format("<code>{}</code>", breakable(escape(m.variant))), "text");
+    html += cell(fmt::format("<code>{}</code>", breakable(escape(m.baseline))), "text setting");
+    html += cell(fmt::format("<code>{}</code>", breakable(escape(m.variant))), "text setting");
     if (!m.failure.empty()) {
         return html +
-               fmt::format("<td class=\"text\" colspan=\"6\">{}</td></tr>\n", escape(m.failure));
+               fmt::format("<td class=\"text\" colspan=\"5\">{}</td></tr>\n", escape(m.failure));
     }
-    html +=
-        cell(with_unit(m.baseline_samples, m.unit)) + cell(with_unit(m.variant_samples, m.unit));
+    html += cell(medians(m));
     html += cell(ratio_text(m), "speed") + cell(bound_text(m));
     html += cell(m.again_samples.empty() ? "–" : "±" + significant(100.0 * m.noise, 2) + " %");
     return html +
@@ -78,9 +80,8 @@ std::string measurement_table(const ClaimRecord& claim) {
     for (const char* name : {"Scene, work", "Speaks", "Quantity", "Baseline", "Variant"}) {
         html += heading_cell(name, "text");
     }
-    for (const char* name :
-         {"Baseline", "Variant", "Variant / baseline<small>95 % interval</small>", "Claimed",
-          "Noise", "Errors<small>baseline / variant</small>"}) {
+    for (const char* name : {"Baseline → variant", "Variant / baseline<small>95 % interval</small>",
+                             "Claimed", "Noise", "Errors<small>baseline / variant</small>"}) {
         html += heading_cell(name);
     }
     html += "</tr></thead><tbody>\n";
