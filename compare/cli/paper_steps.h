@@ -14,7 +14,7 @@ namespace onepass::cli {
 
 /// How much work is spent on each step.
 struct PaperEffort {
-    TimingOptions timing{.repetitions = 15, .warm_up_rounds = 2, .warm_up_ms = 300.0, .seed = 0};
+    TimingOptions timing{.repetitions = 21, .warm_up_rounds = 2, .warm_up_ms = 300.0, .seed = 0};
     uint32_t frames = 16;  ///< of an animation
     uint32_t grow = 1;     ///< multiplies the sides of the claims' images
     uint32_t shrink = 1;   ///< divides the sides of all images

@@ -21,6 +21,9 @@
         return [1, 2, 5].some((digit) => Math.abs(lead - digit) < 1e-6) ? short(value) : null;
     };
 
+    // Decades alone, where many of them share a short axis.
+    const decadeTick = (value) => (Math.abs(Math.log10(value) % 1) < 1e-6 ? short(value) : null);
+
     // A log axis that ends a little beyond its data instead of at the next decade.
     const margins = (values, factor) => ({
         min: Math.min(...values.filter((v) => v > 0)) / factor,
@@ -271,8 +274,8 @@
             }));
         const values = curves.flatMap((c) => c.data.map((p) => p.y));
         const options = base({
-            x: axis(both ? "triangles" : "cells a triangle", { type: "logarithmic", ...margins(points.map((p) => p.size), 1.25), ticks: { callback: logTick, maxRotation: 0 } }),
-            y: axis(both ? "ms" : "", both ? { type: "logarithmic", ...margins(values, 1.4), ticks: { callback: logTick } } : { suggestedMin: 0.8, suggestedMax: 1.2 }),
+            x: axis(both ? "triangles" : "cells a triangle", { type: "logarithmic", ...margins(points.map((p) => p.size), 1.25), ticks: { callback: both ? decadeTick : logTick, maxRotation: 0 } }),
+            y: axis(both ? "ms" : "", both ? { type: "logarithmic", ...margins(values, 1.4), ticks: { callback: decadeTick } } : { suggestedMin: 0.8, suggestedMax: 1.2 }),
         }, (item) => `${item.dataset.label}, ${short(item.raw.x)}: ${short(item.raw.y)}`);
         options.plugins.legend = {
             display: true,
@@ -295,12 +298,15 @@
         };
     }
 
+    // Update and upload are to be seen beside a trace a thousand times as long: a logarithmic axis.
     function motion(plot) {
         const rows = data.motion;
-        plot.style.height = `${rows.length * 2.2 + 6}rem`;
+        const parts = ["update", "upload", "trace"];
+        plot.style.height = `${rows.length * 3.2 + 6}rem`;
+        const times = rows.flatMap((r) => parts.map((part) => r[part])).filter((t) => t > 0);
         const options = base({
-            x: axis("ms", { stacked: true, min: 0 }),
-            y: axis("", { stacked: true, grid: { display: false }, ticks: { color: css("--ink"), autoSkip: false } }),
+            x: axis("ms", { type: "logarithmic", ...margins(times, 1.6), ticks: { callback: logTick, maxRotation: 0 } }),
+            y: axis("", { grid: { display: false }, ticks: { color: css("--ink"), autoSkip: false } }),
         }, (item) => `${item.dataset.label}: ${short(item.raw)} ms`);
         options.indexAxis = "y";
         options.plugins.legend = {
@@ -310,9 +316,12 @@
             type: "bar",
             data: {
                 labels: rows.map((r) => `${r.scene} · ${r.tracer}`),
-                datasets: ["update", "upload", "trace"].map((part, i) => ({
-                    label: part, data: rows.map((r) => r[part]), backgroundColor: colour([1, 4, 0][i]),
-                    barPercentage: 0.75,
+                datasets: parts.map((part, i) => ({
+                    label: part,
+                    data: rows.map((r) => (r[part] > 0 ? r[part] : null)),
+                    backgroundColor: colour([1, 4, 0][i]),
+                    barPercentage: 0.9,
+                    categoryPercentage: 0.7,
                 })),
             },
             options,
