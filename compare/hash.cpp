@@ -36,6 +36,31 @@ void add_object(Fnv1a64& hash, const Object& object) {
     }
 }
 
+void add_animation(Fnv1a64& hash, const Animation& animation) {
+    add_value(hash, uint64_t{animation.nodes.size()});
+    for (const AnimatedNode& node : animation.nodes) {
+        add_value(hash, node.parent);
+        add_value(hash, node.parent_from_base);
+        add_value(hash, node.translation);
+        add_value(hash, node.rotation);
+        add_value(hash, node.scale);
+    }
+    add_value(hash, uint64_t{animation.channels.size()});
+    for (const AnimationChannel& channel : animation.channels) {
+        add_value(hash, channel.node);
+        add_value(hash, static_cast<uint32_t>(channel.path));
+        add_value(hash, static_cast<uint32_t>(channel.interpolation));
+        add_list(hash, channel.times);
+        add_list(hash, channel.values);
+    }
+    add_value(hash, uint64_t{animation.carried.size()});
+    for (const CarriedInstance& carried : animation.carried) {
+        add_value(hash, carried.instance);
+        add_value(hash, carried.node);
+        add_value(hash, carried.node_from_object);
+    }
+}
+
 }  // namespace
 
 void Fnv1a64::add(const void* bytes, size_t count) {
@@ -82,6 +107,7 @@ uint64_t hash_scene(const Scene& scene) {
     }
     add_value(hash, scene.background);
     add_value(hash, scene.ambient);
+    if (!scene.animation.empty()) add_animation(hash, scene.animation);
     return hash.value();
 }
 

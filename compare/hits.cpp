@@ -60,7 +60,6 @@ std::vector<Judgement> rays_to_judge(const CastResult& answers, const CastResult
     return judgements;
 }
 
-/// Larger is worse: by backward error, then by t error; NaN, "no such t", comes last.
 std::pair<double, double> badness(const Verdict& verdict) {
     const auto or_least = [](double x) { return std::isnan(x) ? -1.0 : x; };
     return {or_least(verdict.backward_error), or_least(verdict.t_error_ulps)};
@@ -69,9 +68,7 @@ std::pair<double, double> badness(const Verdict& verdict) {
 void tally(CheckRecord& record, const WorstRay& candidate) {
     ClassTally& tally = record.classes[static_cast<size_t>(candidate.verdict.hit_class)];
     ++tally.count;
-    if (!tally.worst || badness(candidate.verdict) > badness(tally.worst->verdict)) {
-        tally.worst = candidate;
-    }
+    if (!tally.worst || is_worse(candidate.verdict, tally.worst->verdict)) tally.worst = candidate;
 }
 
 std::array<uint64_t, kHitClassCount> bounds_of(uint64_t ray_count,
@@ -92,6 +89,8 @@ bool within_bounds(const CheckRecord& record) {
 }
 
 }  // namespace
+
+bool is_worse(const Verdict& a, const Verdict& b) { return badness(a) > badness(b); }
 
 uint64_t edge_budget(uint64_t ray_count) {
     return static_cast<uint64_t>(std::ceil(kEdgeShare * static_cast<double>(ray_count)));
@@ -145,7 +144,9 @@ HitComparison compare_hits(std::span<const Ray> rays, Query query, const CastRes
             ++next_judged;
         }
         comparison.classes[i] = verdict.hit_class;
-        tally(record, {i, rays[i], answer, truth, verdict});
+        const WorstRay row{i, rays[i], answer, truth, verdict};
+        tally(record, row);
+        if (is_error(verdict.hit_class)) comparison.wrong.push_back(row);
     }
 
     // Decide.

@@ -42,7 +42,12 @@ struct HitCheckOptions {
 struct HitComparison {
     CheckRecord record;  ///< all but the names of scene, rays, tracer and oracle
     std::vector<std::optional<HitClass>> classes;  ///< one a ray; none where the oracle is invalid
+    std::vector<WorstRay> wrong;  ///< every ray of an error class, in the order of the rays
 };
+
+/// Whether the first verdict is the worse one: by backward error, then by t error; NaN, "no such
+/// t", comes last.
+bool is_worse(const Verdict& a, const Verdict& b);
 
 /// Sorts every ray into one class.
 ///

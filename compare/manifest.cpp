@@ -18,6 +18,7 @@ Manifest make_manifest(std::vector<std::string> arguments, uint64_t seed) {
     manifest.time_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
     manifest.commit = kBuildCommit;
     manifest.dirty = kBuildDirty;
+    manifest.program_hash = program_hash();
     manifest.build_type = kBuildType;
     manifest.compiler = fmt::format("g++ {}", __VERSION__);
     std::ifstream cpuinfo("/proc/cpuinfo");
@@ -25,6 +26,21 @@ Manifest make_manifest(std::vector<std::string> arguments, uint64_t seed) {
     manifest.cores = usable_cores();
     manifest.seed = seed;
     return manifest;
+}
+
+std::string program_hash() {
+    static const std::string hash = [] {
+        std::ifstream program("/proc/self/exe", std::ios::binary);
+        if (!program) return std::string("unknown");
+        Fnv1a64 sum;
+        std::vector<char> block(1 << 20);
+        while (program.read(block.data(), static_cast<std::streamsize>(block.size())),
+               program.gcount() > 0) {
+            sum.add(block.data(), static_cast<size_t>(program.gcount()));
+        }
+        return hash_text(sum.value());
+    }();
+    return hash;
 }
 
 std::string cpu_model(std::istream& cpuinfo) {
@@ -72,6 +88,7 @@ TracerRecord make_tracer_record(const std::string& scene, const Tracer& tracer,
     record.threads = capabilities.threads;
     record.shader_hash = capabilities.shader_hash;
     record.stats = tracer.stats();
+    record.deviations = info.deviations;
     return record;
 }
 

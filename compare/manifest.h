@@ -14,6 +14,10 @@ namespace onepass {
 /// The part of a manifest that this module can know; the caller adds GL, Embree and the judge.
 Manifest make_manifest(std::vector<std::string> arguments, uint64_t seed);
 
+/// Hash of the running executable's bytes; "unknown" where the system does not show them.
+/// Cost: reads the file, once a process: some 100 ms.
+std::string program_hash();
+
 /// "model name" of a /proc/cpuinfo; "unknown" if it has none.
 std::string cpu_model(std::istream& cpuinfo);
 

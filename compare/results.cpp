@@ -2,6 +2,7 @@
 // the same list, so that what is written is what is read.
 #include "compare/results.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -26,7 +27,8 @@ namespace fs = std::filesystem;
 template <class A>
 void fields(A& a, Manifest& m) {
     a("arguments", m.arguments), a("time_utc", m.time_utc), a("commit", m.commit);
-    a("dirty", m.dirty), a("build_type", m.build_type), a("compiler", m.compiler);
+    a("dirty", m.dirty), a("program_hash", m.program_hash);
+    a("build_type", m.build_type), a("compiler", m.compiler);
     a("cpu", m.cpu), a("cores", m.cores), a("gl_context", m.gl_context);
     a("gl_renderer", m.gl_renderer), a("gl_version", m.gl_version);
     a("software_renderer", m.software_renderer), a("embree", m.embree), a("judge", m.judge);
@@ -45,11 +47,16 @@ void fields(A& a, Stat& s) {
 }
 
 template <class A>
+void fields(A& a, Deviation& d) {
+    a("id", d.id), a("param", d.param), a("value", d.value), a("summary", d.summary);
+}
+
+template <class A>
 void fields(A& a, TracerRecord& t) {
     a("scene", t.scene), a("name", t.name), a("params", t.params), a("device", t.device);
     a("software_renderer", t.software_renderer), a("is_oracle", t.is_oracle);
     a("is_twin", t.is_twin), a("threads", t.threads), a("shader_hash", t.shader_hash);
-    a("stats", t.stats);
+    a("stats", t.stats), a("deviations", t.deviations);
 }
 
 template <class A>
@@ -81,13 +88,23 @@ void fields(A& a, ClassTally& t) {
 }
 
 template <class A>
+void fields(A& a, std::pair<std::string, uint64_t>& attributed) {
+    a("deviation", attributed.first), a("rays", attributed.second);
+}
+
+template <class A>
+void fields(A& a, CheckRecord::Attribution& t) {
+    a("asked", t.asked), a("by_deviation", t.by_deviation), a("unattributed", t.unattributed);
+}
+
+template <class A>
 void fields(A& a, CheckRecord& c) {
     a("scene", c.scene), a("rays", c.rays), a("ray_hash", c.ray_hash);
     a("ray_count", c.ray_count), a("tracer", c.tracer), a("oracle", c.oracle);
     a("judge", c.judge), a("classes", c.classes), a("oracle_classes", c.oracle_classes);
     a("judged", c.judged), a("wrong_triangle", c.wrong_triangle), a("hit_count", c.hit_count);
     a("oracle_invalid", c.oracle_invalid), a("exhausted", c.exhausted), a("allowed", c.allowed);
-    a("passed", c.passed), a("picture", c.picture);
+    a("passed", c.passed), a("picture", c.picture), a("attribution", c.attribution);
 }
 
 template <class A>
@@ -116,6 +133,38 @@ void fields(A& a, TimingRecord& t) {
 }
 
 template <class A>
+void fields(A& a, FrameTimingRecord& f) {
+    a("scene", f.scene), a("tracer", f.tracer), a("oracle", f.oracle), a("setting", f.setting);
+    a("width", f.width), a("height", f.height), a("frames", f.frames),
+        a("primary_rays", f.primary_rays);
+    a("secondary_rays", f.secondary_rays), a("wall_ms", f.wall_ms);
+    a("device_ms", f.device_ms), a("update_ms", f.update_ms), a("upload_ms", f.upload_ms);
+    a("oracle_wall_ms", f.oracle_wall_ms), a("costs", f.costs), a("median_ms", f.median_ms);
+    a("frames_per_s", f.frames_per_s), a("ratio", f.ratio), a("ratio_low", f.ratio_low);
+    a("ratio_high", f.ratio_high), a("differing_pixels", f.differing_pixels);
+    a("compared_pixels", f.compared_pixels);
+}
+
+template <class A>
+void fields(A& a, ClaimMeasurement& m) {
+    a("scene", m.scene), a("work", m.work), a("quantity", m.quantity), a("unit", m.unit);
+    a("baseline", m.baseline), a("variant", m.variant), a("size", m.size);
+    a("baseline_samples", m.baseline_samples), a("variant_samples", m.variant_samples);
+    a("again_samples", m.again_samples), a("ratio", m.ratio), a("ratio_low", m.ratio_low);
+    a("ratio_high", m.ratio_high), a("noise", m.noise), a("expectation", m.expectation);
+    a("bound", m.bound), a("verdict", m.verdict), a("rays", m.rays);
+    a("baseline_errors", m.baseline_errors), a("variant_errors", m.variant_errors);
+    a("failure", m.failure);
+}
+
+template <class A>
+void fields(A& a, ClaimRecord& c) {
+    a("id", c.id), a("entry", c.entry), a("claim", c.claim), a("source", c.source);
+    a("then", c.then), a("rule", c.rule), a("now", c.now), a("command", c.command);
+    a("verdict", c.verdict), a("measurements", c.measurements);
+}
+
+template <class A>
 void fields(A& a, SweepPoint& p) {
     a("scene", p.scene), a("rays", p.rays), a("tracer", p.tracer);
     a("top_density", p.top_density), a("object_density", p.object_density);
@@ -129,8 +178,16 @@ void fields(A& a, SweepPoint& p) {
 template <class A>
 void fields(A& a, Results& r) {
     a("manifest", r.manifest), a("scenes", r.scenes), a("tracers", r.tracers);
-    a("checks", r.checks), a("images", r.images), a("timings", r.timings), a("sweeps", r.sweeps);
+    a("checks", r.checks), a("images", r.images), a("timings", r.timings);
+    a("frame_timings", r.frame_timings), a("claims", r.claims), a("sweeps", r.sweeps);
 }
+
+// Enumerations are written as their names.
+
+constexpr ClaimVerdict kClaimVerdicts[] = {ClaimVerdict::holds, ClaimVerdict::fails,
+                                           ClaimVerdict::depends, ClaimVerdict::not_measured};
+constexpr Expectation kExpectations[] = {Expectation::above, Expectation::below,
+                                         Expectation::possible, Expectation::none};
 
 std::string class_name(size_t index) {
     return std::string(to_string(static_cast<HitClass>(index)));
@@ -152,7 +209,7 @@ class Writer {
             if (std::isnan(field)) return nullptr;
             if (std::isinf(field)) return field > 0 ? "inf" : "-inf";
             return field;
-        } else if constexpr (std::is_same_v<T, HitClass>) {
+        } else if constexpr (std::is_enum_v<T>) {
             return to_string(field);
         } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string> ||
                              std::is_same_v<T, ParamValues>) {
@@ -266,6 +323,22 @@ class Reader {
         refuse_value(place, value, "the name of a class");
     }
 
+    void read(const json& value, const std::string& place, ClaimVerdict& field) const {
+        read_name(value, place, field, kClaimVerdicts, "the name of a verdict");
+    }
+    void read(const json& value, const std::string& place, Expectation& field) const {
+        read_name(value, place, field, kExpectations, "the name of an expectation");
+    }
+
+    template <class T, size_t N>
+    void read_name(const json& value, const std::string& place, T& field, const T (&all)[N],
+                   const std::string& expected) const {
+        const auto found = std::find_if(std::begin(all), std::end(all),
+                                        [&](T one) { return value == to_string(one); });
+        if (found == std::end(all)) refuse_value(place, value, expected);
+        field = *found;
+    }
+
     void read(const json& value, const std::string& place, vec3& field) const {
         if (!value.is_array() || value.size() != 3) refuse_value(place, value, "three numbers");
         for (int axis = 0; axis < 3; ++axis) read_number(value[axis], place, field[axis]);
@@ -308,6 +381,34 @@ class Reader {
 };
 
 }  // namespace
+
+std::string_view to_string(Expectation expectation) {
+    switch (expectation) {
+        case Expectation::above:
+            return "above";
+        case Expectation::below:
+            return "below";
+        case Expectation::possible:
+            return "possible";
+        case Expectation::none:
+            break;
+    }
+    return "none";
+}
+
+std::string_view to_string(ClaimVerdict verdict) {
+    switch (verdict) {
+        case ClaimVerdict::holds:
+            return "holds";
+        case ClaimVerdict::fails:
+            return "fails";
+        case ClaimVerdict::depends:
+            return "depends";
+        case ClaimVerdict::not_measured:
+            break;
+    }
+    return "not measured";
+}
 
 uint64_t CheckRecord::errors() const {
     uint64_t sum = 0;

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/catalogue.h"
 #include "core/judge.h"
 #include "core/params.h"
 #include "core/tracer.h"
@@ -24,6 +25,7 @@ struct Manifest {
     std::string time_utc;                ///< ISO 8601
     std::string commit;                  ///< git commit of the build; "unknown" outside git
     bool dirty = false;                  ///< the build held uncommitted changes
+    std::string program_hash;            ///< of the executable: one commit can have many builds
     std::string build_type;
     std::string compiler;
     std::string cpu;
@@ -59,6 +61,7 @@ struct TracerRecord {
     uint32_t threads = 0;
     std::string shader_hash;  ///< of the composed text; empty for CPU tracers
     std::vector<Stat> stats;
+    std::vector<Deviation> deviations;  ///< TracerInfo::deviations: a page has no catalogue
 };
 
 /// The worst ray of one class in one comparison.
@@ -152,7 +155,8 @@ struct TimingRecord {
 struct FrameTimingRecord {
     std::string scene;
     std::string tracer;
-    std::string oracle;  ///< what the ratio is to; its own record names itself
+    std::string oracle;   ///< what the ratio is to; its own record names itself
+    std::string setting;  ///< parameters other than the defaults, "steps_per_pass=1"; or empty
     uint32_t width = 0;
     uint32_t height = 0;
     uint32_t frames = 0;        ///< different frames of an animation; 1 for a still image
@@ -174,31 +178,49 @@ struct FrameTimingRecord {
     uint64_t compared_pixels = 0;   ///< of all frames
 };
 
+/// What a claim says of the ratio variant / baseline.
+enum class Expectation {
+    above,     ///< it is larger than `bound`
+    below,     ///< it is smaller than `bound`
+    possible,  ///< nothing, but the variant can be made at all
+    none,      ///< nothing: measured to be shown beside the others
+};
+std::string_view to_string(Expectation expectation);
+
+/// `holds`, `fails` and `not_measured` speak for themselves; `depends`: of one measurement, that it
+/// decides nothing; of a claim, that its measurements disagree or decide nothing.
+enum class ClaimVerdict { holds, fails, depends, not_measured };
+std::string_view to_string(ClaimVerdict verdict);
+
 /// One comparison of two settings that a claim rests on: all else is equal, and so is the run.
 struct ClaimMeasurement {
     std::string scene;
-    std::string work;      ///< the ray kind, "image" or "build"
-    std::string quantity;  ///< "time", "bytes", "bandwidth", ...
+    std::string work;      ///< the ray kind, "image", "animation" or "build"
+    std::string quantity;  ///< "time", "memory", "bandwidth", ...
     std::string unit;      ///< of the samples: "ms", "MiB", ...
     std::string baseline;  ///< tracer and setting, as the page names them
     std::string variant;
+    double size = 0.0;  ///< what a series runs over (triangles, density); 0: belongs to no series
     std::vector<double> baseline_samples;  ///< in run order; what is not measured but counted: one
     std::vector<double> variant_samples;   ///< of the same rounds
+    std::vector<double> again_samples;     ///< of a second run of the baseline in the same rounds
     double ratio = 0.0;                    ///< variant / baseline, median
     double ratio_low = 0.0;  ///< 95 % bootstrap interval; equal to the ratio for what is counted
     double ratio_high = 0.0;
+    double noise = 0.0;  ///< largest |r - 1| in the interval of again / baseline; 0: counted
+    Expectation expectation = Expectation::none;
+    double bound = 1.0;  ///< that the ratio is held against
+    ClaimVerdict verdict = ClaimVerdict::not_measured;
     uint64_t rays = 0;             ///< cast by each side
     uint64_t baseline_errors = 0;  ///< CheckRecord::errors() of that setting on these rays
     uint64_t variant_errors = 0;
-    std::string failure;  ///< why a side could not run; else empty
+    std::string failure;  ///< why a side could not be made; else empty
 };
-
-enum class ClaimVerdict { holds, fails, depends, not_measured };
-std::string_view to_string(ClaimVerdict verdict);
 
 /// A claim of the paper, and what is left of it.
 struct ClaimRecord {
     std::string id;       ///< "single-pass"
+    std::string entry;    ///< "fragment" or "compute": a GPU runs the two on different processors
     std::string claim;    ///< in our words
     std::string source;   ///< where the paper says it
     std::string then;     ///< the paper's figure, or that it gives none

@@ -34,14 +34,17 @@ double milliseconds_since(std::chrono::steady_clock::time_point start) {
 
 }  // namespace
 
+void check_repetitions(const TimingOptions& options) {
+    if (options.repetitions >= kLeastRepetitions) return;
+    throw Error({"--repetitions", std::to_string(options.repetitions),
+                 "at least " + std::to_string(kLeastRepetitions),
+                 "Fewer rounds give no interval to trust."});
+}
+
 std::vector<TimingRecord> time_casts(std::span<Tracer* const> tracers, size_t oracle,
                                      const RaySet& rays, const TimingOptions& options,
                                      const Progress& progress) {
-    if (options.repetitions < kLeastRepetitions) {
-        throw Error({"--repetitions", std::to_string(options.repetitions),
-                     "at least " + std::to_string(kLeastRepetitions),
-                     "Fewer rounds give no interval to trust."});
-    }
+    check_repetitions(options);
     ONEPASS_CHECK_LT(oracle, tracers.size());
 
     // Upload, once.

@@ -22,6 +22,9 @@ struct TimingOptions {
     uint64_t seed = 0;            ///< of the order and of the bootstrap
 };
 
+/// Throws: Error for fewer than kLeastRepetitions.
+void check_repetitions(const TimingOptions& options);
+
 /// Casts the rays with every tracer once a round, in an order drawn anew for each round.
 ///
 /// Records come in the order of `tracers`; the ratio is to `tracers[oracle]`, paired by round.

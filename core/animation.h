@@ -74,7 +74,31 @@ struct Animation {
 /// Throws: Error naming the node if a transform cannot be inverted at this time (a scale of 0).
 std::vector<Affine> instance_transforms(const Scene& scene, double time_s);
 
-/// A copy of the scene, its instances as they are at `time_s`; it keeps the animation.
+/// A copy of the scene, its instances as they are at `time_s`. It keeps the animation, so
+/// validate() refuses it where `time_s` is not at rest.
 Scene scene_at(const Scene& scene, double time_s);
+
+/// world_from_node of all nodes at rest, in double.
+std::vector<DAffine> rest_transforms(const Animation& animation);
+
+/// world_from_node * node_from_object, rounded once. A factor of 1 changes no bit of the other.
+Affine carried_transform(const DAffine& world_from_node, const Affine& node_from_object);
+
+/// validate()'s part for the animation. The scene's objects and instances must be sound.
+///
+/// Afterwards: parents stand before their children; indices are in range; numbers are finite and
+/// rotations not 0; each property has at most one channel, with ascending times and as many values
+/// as its interpolation asks for; each carried instance is placed where the rest pose puts it,
+/// apart from kRestRoundings. An animation that carries nothing is empty altogether. Throws: Error
+/// naming the node, channel or instance at fault.
+void check_animation(const Scene& scene);
+
+/// How far an instance may stand from its rest pose, entry by entry, in float roundings (2^-24) of
+/// the sum of the absolute values that the entry is summed from. A builder rounds node_from_object
+/// once, after an inverse in double, and world_from_object once; 4 leaves it a step of its own.
+inline constexpr double kRestRoundings = 4.0;
+
+/// The rotation by a quaternion (x, y, z, w), which need not be of unit length; 1 for (0, 0, 0, 0).
+glm::dmat3 rotation_matrix(const glm::dvec4& quaternion);
 
 }  // namespace onepass

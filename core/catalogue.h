@@ -20,6 +20,8 @@ struct Deviation {
     std::string param;    ///< the parameter that switches it off ...
     std::string value;    ///< ... by this value
     std::string summary;  ///< one line
+
+    bool operator==(const Deviation&) const = default;
 };
 
 struct TracerInfo {
@@ -30,6 +32,7 @@ struct TracerInfo {
     std::vector<Deviation> deviations;  ///< in the order in which errors are attributed to them
     bool is_oracle = false;             ///< an Embree tracer
     bool is_twin = false;               ///< a shader's text run as C++
+    bool by_default = true;             ///< one of those that a command takes if it is told none
 };
 
 struct CatalogueEntry {

@@ -180,7 +180,109 @@ void check_camera(const Camera& camera, size_t index) {
     }
 }
 
+// ---- One object of all.
+
+/// "instance/group", or what there is of it.
+std::string group_label(const Instance& instance, const TriangleGroup& group) {
+    const bool both = !instance.name.empty() && !group.name.empty();
+    return instance.name + (both ? "/" : "") + group.name;
+}
+
+/// Appends an instance's triangles to `target`, in world space and in the object's order.
+///
+/// `with_normals`: an object without normals gets those of its triangles, which then share no
+/// vertices. A mirrored instance keeps the order of its corners, so that (u, v) stay what they
+/// were; its triangles then face inwards, which no tracer asks about.
+void append_in_world(Object& target, const Object& object, const Instance& instance,
+                     bool with_normals) {
+    const DAffine world_from_object(instance.world_from_object);
+    const auto in_world = [&](uint32_t vertex) {
+        return vec3(transform_point(world_from_object, dvec3(object.positions[vertex])));
+    };
+    for (TriangleGroup group : object.groups) {
+        group.first_triangle += static_cast<uint32_t>(target.triangles.size());
+        group.name = group_label(instance, group);
+        target.groups.push_back(group);
+    }
+
+    if (with_normals && object.normals.empty()) {
+        for (const uvec3& triangle : object.triangles) {
+            const auto first = static_cast<uint32_t>(target.positions.size());
+            target.triangles.emplace_back(first, first + 1, first + 2);
+            for (int k = 0; k < 3; ++k) target.positions.push_back(in_world(triangle[k]));
+            const dvec3 v0(target.positions[first]);
+            const dvec3 normal = glm::cross(dvec3(target.positions[first + 1]) - v0,
+                                            dvec3(target.positions[first + 2]) - v0);
+            // A triangle without area has no normal, and is never hit.
+            const double length = glm::length(normal);
+            target.normals.insert(target.normals.end(), 3,
+                                  length > 0.0 ? vec3(normal / length) : vec3(0, 0, 1));
+        }
+        return;
+    }
+
+    const uvec3 first(static_cast<uint32_t>(target.positions.size()));
+    for (const uvec3& triangle : object.triangles) target.triangles.push_back(first + triangle);
+    for (uint32_t v = 0; v < object.positions.size(); ++v) target.positions.push_back(in_world(v));
+
+    // By the inverse transpose. Normals keep their lengths relative to each other, because these
+    // weight what is interpolated; the factor they share only keeps them within a float's range.
+    const DAffine object_from_world = inverse(instance.world_from_object);
+    double largest = 0.0;
+    for (int column = 0; column < 3; ++column) {
+        for (int row = 0; row < 3; ++row) {
+            largest = std::max(largest, std::abs(object_from_world[column][row]));
+        }
+    }
+    for (const vec3& normal : object.normals) {
+        dvec3 turned;
+        for (int column = 0; column < 3; ++column) {
+            turned[column] = glm::dot(object_from_world[column] / largest, dvec3(normal));
+        }
+        target.normals.emplace_back(turned);
+    }
+}
+
 }  // namespace
+
+Scene flattened(const Scene& scene) {
+    const uint64_t triangles = instanced_triangle_count(scene);
+    // Three vertices a triangle at most must have an index each.
+    constexpr uint64_t kMost = kNoId / 3;
+    if (triangles > kMost) {
+        throw Error({"scene", fmt::format("{} triangles in all instances", triangles),
+                     fmt::format("at most {} in one object", kMost),
+                     "Use the scene with its instances."});
+    }
+    const bool with_normals = std::any_of(
+        scene.instances.begin(), scene.instances.end(),
+        [&](const Instance& instance) { return !scene.objects[instance.object].normals.empty(); });
+
+    Scene flat = scene;
+    flat.animation = {};
+    Object all;
+    all.name = scene.name;
+    Instance only;
+    only.name = scene.name;
+    for (const Instance& instance : scene.instances) {
+        append_in_world(all, scene.objects[instance.object], instance, with_normals);
+        only.materials.insert(only.materials.end(), instance.materials.begin(),
+                              instance.materials.end());
+    }
+    flat.objects = {std::move(all)};
+    flat.instances = {std::move(only)};
+    return flat;
+}
+
+Scene unshared(const Scene& scene) {
+    Scene result = scene;
+    result.objects.clear();
+    for (Instance& instance : result.instances) {
+        result.objects.push_back(scene.objects[instance.object]);
+        instance.object = static_cast<uint32_t>(result.objects.size()) - 1;
+    }
+    return result;
+}
 
 uint64_t instanced_triangle_count(const Scene& scene) {
     uint64_t count = 0;
@@ -238,6 +340,7 @@ void validate(const Scene& scene) {
     }
     for (size_t i = 0; i < scene.instances.size(); ++i) check_instance(scene, i);
     check_extent(scene);
+    check_animation(scene);
 
     for (size_t i = 0; i < scene.lights.size(); ++i) check_light(scene.lights[i], i);
     for (size_t i = 0; i < scene.cameras.size(); ++i) check_camera(scene.cameras[i], i);

@@ -111,7 +111,7 @@ uint32_t group_of_triangle(const Object& object, uint32_t prim_id);
 ///
 /// Afterwards: at least one instance; every object has triangles; all indices are in range; all
 /// positions, normals and other numbers are finite; groups cover the triangles; transforms are
-/// invertible; every scene has at least one material.
+/// invertible; every scene has at least one material; the animation is as check_animation() says.
 /// Throws: Error naming the object, triangle or node at fault.
 void validate(const Scene& scene);
 

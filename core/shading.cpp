@@ -1,5 +1,7 @@
 #include "core/shading.h"
 
+#include "core/error.h"
+
 namespace onepass {
 
 float secondary_offset(const Bounds& scene_bounds) {
@@ -7,12 +9,26 @@ float secondary_offset(const Bounds& scene_bounds) {
     return scene_bounds.magnitude() * kRelativeOffset;
 }
 
-ShadingScene::ShadingScene(const Scene& s)
-    : scene(&s), ray_offset(secondary_offset(scene_bounds(s))) {
-    object_from_world.reserve(s.instances.size());
+ShadingScene::ShadingScene(const Scene& s) : scene(&s) {
+    for (const Object& object : s.objects) object_boxes_.push_back(object_bounds(object));
+    std::vector<Affine> world_from_object;
+    world_from_object.reserve(s.instances.size());
     for (const Instance& instance : s.instances) {
-        object_from_world.push_back(Affine(inverse(instance.world_from_object)));
+        world_from_object.push_back(instance.world_from_object);
     }
+    move(world_from_object);
+}
+
+void ShadingScene::move(std::span<const Affine> world_from_object) {
+    ONEPASS_CHECK_EQ(world_from_object.size(), scene->instances.size());
+    Bounds box;
+    object_from_world.clear();
+    for (size_t i = 0; i < world_from_object.size(); ++i) {
+        box.extend(
+            transform_bounds(world_from_object[i], object_boxes_[scene->instances[i].object]));
+        object_from_world.push_back(Affine(inverse(world_from_object[i])));
+    }
+    ray_offset = secondary_offset(box);
 }
 
 SurfacePoint surface_point(const ShadingScene& scene, const Ray& ray, const Hit& hit) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "core/render_settings.h"
@@ -20,6 +21,12 @@ struct ShadingScene {
     float ray_offset = 0.0f;                ///< see secondary_offset
 
     explicit ShadingScene(const Scene& s);
+
+    /// Moves the instances: nothing else of the scene follows. One transform an instance.
+    void move(std::span<const Affine> world_from_object);
+
+  private:
+    std::vector<Bounds> object_boxes_;
 };
 
 /// The distance by which a secondary ray's origin leaves its surface, along the normal.

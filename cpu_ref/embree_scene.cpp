@@ -202,8 +202,15 @@ RayLimits narrowed(const RayLimits& limits, const Affine& world_from_object) {
             std::max(limits.least_dir, static_cast<float>(least))};
 }
 
+RayLimits limits_of(std::span<const Affine> world_from_object) {
+    RayLimits limits;
+    for (const Affine& transform : world_from_object) limits = narrowed(limits, transform);
+    return limits;
+}
+
 bool is_direct(const Scene& scene) {
-    return scene.instances.size() == 1 && scene.instances[0].world_from_object == affine_identity();
+    return scene.animation.empty() && scene.instances.size() == 1 &&
+           scene.instances[0].world_from_object == affine_identity();
 }
 
 void check_magnitude(const std::string& where, const Bounds& bounds) {
@@ -214,20 +221,48 @@ void check_magnitude(const std::string& where, const Bounds& bounds) {
                  .remedy = "Scale the scene down"});
 }
 
-void check_scene(const Scene& scene) {
-    for (const Object& object : scene.objects) {
-        check_magnitude("object " + object.name, object_bounds(object));
-    }
+/// What Embree has to know of an instance to tell whether it can hold it.
+struct Placed {
+    std::string name;
+    Bounds box;  ///< of its object
+};
+
+std::vector<Placed> placed_objects(const Scene& scene) {
+    std::vector<Bounds> boxes;
+    for (const Object& object : scene.objects) boxes.push_back(object_bounds(object));
+    std::vector<Placed> placed;
     for (const Instance& instance : scene.instances) {
-        const std::string where = "instance " + instance.name;
-        if (!float_inverse_holds(instance.world_from_object)) {
+        placed.push_back({instance.name, boxes[instance.object]});
+    }
+    return placed;
+}
+
+std::vector<Affine> transforms_of(const Scene& scene) {
+    std::vector<Affine> transforms;
+    for (const Instance& instance : scene.instances) {
+        transforms.push_back(instance.world_from_object);
+    }
+    return transforms;
+}
+
+void check_transforms(const std::vector<Placed>& placed,
+                      std::span<const Affine> world_from_object) {
+    for (size_t i = 0; i < placed.size(); ++i) {
+        const Affine& transform = world_from_object[i];
+        const std::string where = "instance " + placed[i].name;
+        if (!is_invertible(transform)) {
+            throw Error({.where = where,
+                         .got = "a transform that flattens space, or is not finite",
+                         .expected = "one that can be inverted",
+                         .remedy = "Give it finite, non-zero scales along three axes"});
+        }
+        if (!float_inverse_holds(transform)) {
             throw Error({.where = where,
                          .got = "a transform whose float inverse overflows or underflows",
                          .expected = "scales that Embree can invert in single precision",
                          .remedy = "Bring the scales of the transform nearer to 1"});
         }
-        check_magnitude(where, transform_bounds(instance.world_from_object,
-                                                object_bounds(scene.objects[instance.object])));
+        check_magnitude(where, transform_bounds(transform, placed[i].box));
     }
 }
 
@@ -274,14 +309,32 @@ struct EmbreeScene::Impl {
     std::vector<SceneHandle> objects;
     SceneHandle top;
     RTCScene traced = nullptr;
+    std::string name;
+    std::vector<Placed> placed;
     RayLimits limits;
     double build_ms = 0.0;
     double bytes = 0.0;
+    uint64_t object_builds = 0;
+    uint64_t top_builds = 0;
+
+    /// Embree reports errors at the device, not at the call.
+    void throw_errors(const std::string& what) {
+        const RTCError error = rtcGetDeviceError(device.get());
+        if (error == RTC_ERROR_NONE) return;
+        const std::lock_guard lock(reports.mutex);
+        throw device_error(what + " of scene " + name, error, reports.message);
+    }
 };
 
 EmbreeScene::EmbreeScene(const Scene& scene, const EmbreeOptions& options)
     : impl_(std::make_unique<Impl>()) {
-    check_scene(scene);
+    for (const Object& object : scene.objects) {
+        check_magnitude("object " + object.name, object_bounds(object));
+    }
+    const std::vector<Affine> transforms = transforms_of(scene);
+    impl_->name = scene.name;
+    impl_->placed = placed_objects(scene);
+    check_transforms(impl_->placed, transforms);
     impl_->device = open_device();
     const RTCDevice device = impl_->device.get();
     rtcSetDeviceErrorFunction(device, on_error, &impl_->reports);
@@ -291,26 +344,37 @@ EmbreeScene::EmbreeScene(const Scene& scene, const EmbreeOptions& options)
     const auto start = std::chrono::steady_clock::now();
     for (const Object& object : scene.objects) {
         impl_->objects.push_back(commit_object(device, object, options));
+        ++impl_->object_builds;
     }
     if (is_direct(scene)) {
         impl_->traced = impl_->objects[scene.instances[0].object].get();
     } else {
         impl_->top = commit_instances(device, scene, impl_->objects, options);
         impl_->traced = impl_->top.get();
-        for (const Instance& instance : scene.instances) {
-            impl_->limits = narrowed(impl_->limits, instance.world_from_object);
-        }
+        impl_->limits = limits_of(transforms);
+        ++impl_->top_builds;
     }
     const std::chrono::duration<double, std::milli> elapsed =
         std::chrono::steady_clock::now() - start;
-
-    // Embree reports errors at the device, not at the call.
-    const RTCError error = rtcGetDeviceError(device);
-    if (error != RTC_ERROR_NONE) {
-        throw device_error("Embree build of scene " + scene.name, error, impl_->reports.message);
-    }
+    impl_->throw_errors("Embree build");
     impl_->build_ms = elapsed.count();
     impl_->bytes = static_cast<double>(impl_->reports.bytes);
+}
+
+void EmbreeScene::update(std::span<const Affine> world_from_object) {
+    ONEPASS_CHECK_EQ(world_from_object.size(), impl_->placed.size());
+    ONEPASS_CHECK(instanced());
+    check_transforms(impl_->placed, world_from_object);
+    impl_->limits = limits_of(world_from_object);
+    for (uint32_t id = 0; id < world_from_object.size(); ++id) {
+        const RTCGeometry geometry = rtcGetGeometry(impl_->top.get(), id);
+        rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR,
+                                &world_from_object[id][0][0]);
+        rtcCommitGeometry(geometry);
+    }
+    rtcCommitScene(impl_->top.get());
+    ++impl_->top_builds;
+    impl_->throw_errors("Embree update");
 }
 
 EmbreeScene::~EmbreeScene() = default;
@@ -343,6 +407,8 @@ const RayLimits& EmbreeScene::limits() const { return impl_->limits; }
 bool EmbreeScene::instanced() const { return impl_->top != nullptr; }
 double EmbreeScene::build_ms() const { return impl_->build_ms; }
 double EmbreeScene::bytes() const { return impl_->bytes; }
+uint64_t EmbreeScene::object_builds() const { return impl_->object_builds; }
+uint64_t EmbreeScene::top_builds() const { return impl_->top_builds; }
 
 std::string embree_version() {
     const DeviceHandle device = open_device();

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "core/scene.h"
 #include "core/types.h"
@@ -28,6 +30,8 @@ struct RayLimits {
     float largest_org = kEmbreeLargest;
     float largest_dir = kEmbreeLargest;
     float least_dir = kEmbreeLeastDirection;
+
+    bool operator==(const RayLimits&) const = default;
 };
 
 /// True if Embree can be asked about this ray; false: answer a miss flagged kFlagOracleInvalid.
@@ -53,7 +57,8 @@ struct EmbreeOptions {
 ///
 /// One RTCScene an object, prim ids in the order of Object::triangles; above them a scene of
 /// instances whose geometry id is the index into Scene::instances. A scene that is one instance
-/// with the identity transform is traced without the upper level, as a user of Embree would.
+/// with the identity transform, and stays so, is traced without the upper level, as a user of
+/// Embree would.
 class EmbreeScene {
   public:
     /// Builds with the TBB workers of the caller's task arena.
@@ -65,6 +70,13 @@ class EmbreeScene {
     EmbreeScene(const EmbreeScene&) = delete;
     EmbreeScene& operator=(const EmbreeScene&) = delete;
 
+    /// Moves the instances, and commits them and the upper level anew; objects stay as they are.
+    ///
+    /// One transform an instance of a scene with an animation. Not while queries run.
+    /// Throws: Error as the constructor; for a transform that Embree cannot hold before anything
+    ///         has changed. Lack of memory leaves a scene that is no longer fit for use.
+    void update(std::span<const Affine> world_from_object);
+
     /// The nearest hit in [tmin, tmax]; fast scenes leave t = tmin out. The ray must pass
     /// oracle_can_take(ray, limits()).
     Hit closest(const Ray& ray) const;
@@ -75,6 +87,8 @@ class EmbreeScene {
     bool instanced() const;   ///< false: the upper level is left out
     double build_ms() const;  ///< wall time of all commits: buffers in, trees out
     double bytes() const;     ///< held by the device after the build, its vertex copies included
+    uint64_t object_builds() const;  ///< commits of objects since it was made
+    uint64_t top_builds() const;     ///< commits of the upper level
 
   private:
     struct Impl;

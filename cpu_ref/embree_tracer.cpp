@@ -35,9 +35,17 @@ Ask ask(const Ray& ray, const RayLimits& limits) {
     return is_empty_ray(ray) ? Ask::answer_miss : Ask::embree;
 }
 
+std::vector<Ask> asks_of(const std::vector<Ray>& rays, const RayLimits& limits) {
+    std::vector<Ask> asks;
+    asks.reserve(rays.size());
+    for (const Ray& ray : rays) asks.push_back(ask(ray, limits));
+    return asks;
+}
+
 struct ResidentRays {
     std::vector<Ray> rays;
     std::vector<Ask> asks;
+    RayLimits limits;  ///< that the asks rest on
 };
 
 /// One of the four entries of the catalogue.
@@ -106,14 +114,18 @@ class EmbreeTracer final : public Tracer {
             {"instances", static_cast<double>(scene_->instances.size()),
              embree_->instanced() ? "" : "traced without Embree's instance level"},
             {"bytes", embree_->bytes(), "as Embree reports it: trees and copies of the vertices"},
+            {"object_builds", static_cast<double>(embree_->object_builds()),
+             "commits of objects since the tracer was made"},
+            {"top_builds", static_cast<double>(embree_->top_builds()),
+             "commits of the top level since the tracer was made"},
         };
     }
 
     RayBatch upload(std::span<const Ray> rays) override {
         auto resident = std::make_shared<ResidentRays>();
         resident->rays.assign(rays.begin(), rays.end());
-        resident->asks.reserve(rays.size());
-        for (const Ray& ray : rays) resident->asks.push_back(ask(ray, embree_->limits()));
+        resident->limits = embree_->limits();
+        resident->asks = asks_of(resident->rays, resident->limits);
         return {rays.size(), resident};
     }
 
@@ -124,11 +136,17 @@ class EmbreeTracer final : public Tracer {
         result.flags.resize(batch.count);
         result.device_ms = std::numeric_limits<double>::quiet_NaN();
 
+        // An update since the upload may have changed which rays Embree can be asked about.
+        const bool asks_hold = resident.limits == embree_->limits();
+        const std::vector<Ask> new_asks =
+            asks_hold ? std::vector<Ask>() : asks_of(resident.rays, embree_->limits());
+        const std::vector<Ask>& asks = asks_hold ? resident.asks : new_asks;
+
         const auto answer = [&](size_t begin, size_t end) {
             for (size_t i = begin; i < end; ++i) {
-                if (resident.asks[i] == Ask::embree) {
+                if (asks[i] == Ask::embree) {
                     result.hits[i] = query(resident.rays[i], options.query);
-                } else if (resident.asks[i] == Ask::answer_invalid) {
+                } else if (asks[i] == Ask::answer_invalid) {
                     result.flags[i] = kFlagOracleInvalid;
                 }
             }
@@ -139,8 +157,20 @@ class EmbreeTracer final : public Tracer {
         return result;
     }
 
-    UpdateTimes update(std::span<const Affine>) override {
-        throw Error({name_, "an update", "a tracer that moves instances", "Make a new tracer."});
+    UpdateTimes update(std::span<const Affine> world_from_object) override {
+        if (scene_->animation.empty()) {
+            throw Error({name_, "an update of a scene without an animation",
+                         "a scene in which something moves", "Make a new tracer."});
+        }
+        if (world_from_object.size() != scene_->instances.size()) {
+            throw Error({name_, std::to_string(world_from_object.size()) + " transforms",
+                         std::to_string(scene_->instances.size()) + ", one an instance",
+                         "Take them from instance_transforms()."});
+        }
+        const Clock::time_point start = Clock::now();
+        arena_.execute([&] { embree_->update(world_from_object); });
+        shading_.move(world_from_object);
+        return {.update_ms = ms_since(start), .upload_ms = 0.0};
     }
 
     Frame render(const Camera& camera, const RenderSettings& settings) override {

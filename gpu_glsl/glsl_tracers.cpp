@@ -6,8 +6,10 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "gpu_glsl/brute_force.h"
 #include "gpu_glsl/gpu_tracer.h"
 #include "gpu_glsl/prepared_strategy.h"
+#include "gpu_glsl/streaming/streaming_tracer.h"
 #include "gpu_glsl/twin/twin_unit.h"
 #include "gpu_glsl/twin_tracer.h"
 
@@ -26,7 +28,8 @@ TracerInfo tracer_info(const gl::StrategyInfo& info, const std::string& storage,
             .summary = info.summary + ", " + how,
             .source = info.source,
             .params = strategy_params(info, storage),
-            .deviations = {}};
+            .deviations = info.deviations,
+            .by_default = info.by_default};
 }
 
 TextureLimits limits_of(const gl::GlContext& context) {
@@ -86,6 +89,29 @@ CatalogueEntry twin_entry(const gl::StrategyInfo& info, const std::string& stora
     return result;
 }
 
+/// Streaming takes many passes, so it is no strategy file: a C++ tracer over paper's structure.
+std::vector<CatalogueEntry> streaming_entries(const LibraryPtr& library,
+                                              const gl::StrategyInfo& paper,
+                                              const GlContextProvider& context) {
+    const std::string storage = "texture2d";
+    const gl::StrategyInfo info = streaming_info(paper);
+    std::vector<CatalogueEntry> entries;
+    for (const std::string& entry_name : info.entries) {
+        const GpuEntry entry = entry_name == "compute" ? GpuEntry::compute : GpuEntry::fragment;
+        CatalogueEntry result;
+        result.info = tracer_info(info, storage, entry_name, "in " + entry_name + " shaders");
+        result.make = [=](ScenePtr scene, const ParamValues& values) {
+            gl::GlContext& gl_context = context();
+            return make_streaming_tracer(
+                tracer_name(info, storage, entry_name),
+                prepare_strategy(info, storage, std::move(scene), values, limits_of(gl_context)),
+                entry, *library, gl_context);
+        };
+        entries.push_back(std::move(result));
+    }
+    return entries;
+}
+
 }  // namespace
 
 std::vector<CatalogueEntry> glsl_tracers(const gl::ShaderLibrary& library,
@@ -101,6 +127,14 @@ std::vector<CatalogueEntry> glsl_tracers(const gl::ShaderLibrary& library,
                 entries.push_back(twin_entry(info, storage, *unit));
             }
         }
+        if (info.name == "paper") {
+            for (CatalogueEntry& entry : streaming_entries(shared, info, context)) {
+                entries.push_back(std::move(entry));
+            }
+        }
+    }
+    for (CatalogueEntry& entry : brute_force_tracers(shared, context)) {
+        entries.push_back(std::move(entry));
     }
     return entries;
 }
@@ -129,7 +163,8 @@ gl::ComposedShader compose_tracer_shader(const gl::ShaderLibrary& library, const
         }
     }
     throw Error({"shader variant", "'" + name + "'", "the full name of a GPU tracer",
-                 "See `onepass list strategies`; twins and Embree have no shader."});
+                 "See `onepass list strategies`; twins and Embree have no shader, and tracers of "
+                 "several passes not a single one."});
 }
 
 }  // namespace onepass

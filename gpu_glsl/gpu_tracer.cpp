@@ -1,6 +1,7 @@
 #include "gpu_glsl/gpu_tracer.h"
 
 #include <algorithm>
+#include <chrono>
 #include <limits>
 #include <map>
 #include <optional>
@@ -10,113 +11,14 @@
 
 #include "core/camera.h"
 #include "core/error.h"
+#include "gpu_glsl/device_io.h"
 #include "gpu_glsl/gl/objects.h"
 
 namespace onepass {
 namespace {
 
-/// Rays of one chunk of a batch. Fragment: two textures, a ray a texel. Compute: one buffer.
-struct ChunkOnDevice {
-    size_t count = 0;
-    uint32_t width = 0;  ///< of the textures
-    uint32_t height = 0;
-    std::optional<gl::Texture> origins;
-    std::optional<gl::Texture> directions;
-    std::optional<gl::Buffer> buffer;
-};
-
-struct RaysOnDevice {
-    std::vector<ChunkOnDevice> chunks;
-};
-
-/// The records of entry/cast_compute.glsl and entry/compute.glsl (std430).
-struct HitRecord {
-    vec4 hit;
-    glm::uvec4 ids;
-    glm::uvec4 counters;
-};
-static_assert(sizeof(HitRecord) == 48);
-
-struct PixelRecord {
-    vec4 color;
-    vec4 hit;
-    glm::uvec4 ids;
-    vec4 normal;
-    glm::uvec4 counters;
-};
-static_assert(sizeof(PixelRecord) == 80);
-
 /// Rays a chunk holds at most: 4 Mi rays take 128 MiB, and results of the same order.
 constexpr size_t kMaxChunkRays = size_t{1} << 22;
-
-/// Width of the textures that rays and hits lie in.
-constexpr uint32_t kRayTextureWidth = 1024;
-
-gl::TexelFormat texel_format(const TextureData& texture) {
-    const bool half = texture.format == ChannelFormat::half;
-    switch (texture.channels) {
-        case 1:
-            return half ? gl::TexelFormat::r16f : gl::TexelFormat::r32f;
-        case 2:
-            return half ? gl::TexelFormat::rg16f : gl::TexelFormat::rg32f;
-        default:
-            return half ? gl::TexelFormat::rgba16f : gl::TexelFormat::rgba32f;
-    }
-}
-
-gl::Texture upload_buffer(const TextureData& buffer) {
-    if (buffer.format == ChannelFormat::single) {
-        return gl::texture_buffer(buffer.name, gl::TexelFormat::rgba32f, buffer.texels);
-    }
-    const gl::TexelFormat format = buffer.channels == 1   ? gl::TexelFormat::r32ui
-                                   : buffer.channels == 2 ? gl::TexelFormat::rg32ui
-                                                          : gl::TexelFormat::rgba32ui;
-    return gl::texture_buffer(buffer.name, format, buffer.words);
-}
-
-gl::Texture upload_texture(const TextureData& texture) {
-    if (texture.dimensions == 1) return upload_buffer(texture);
-    if (texture.dimensions == 3) {
-        return gl::texture_3d(texture.name, texel_format(texture), texture.size, texture.texels);
-    }
-    return gl::texture_2d(texture.name, texel_format(texture), texture.size.x, texture.size.y,
-                          texture.texels);
-}
-
-/// A ray that no structure answers: it ends before it begins. Fills the last row of a chunk.
-constexpr Ray kPaddingRay{.org = vec3(0.0f), .tmin = 0.0f, .dir = vec3(0, 0, 1), .tmax = -1.0f};
-
-ChunkOnDevice upload_to_textures(std::span<const Ray> rays) {
-    ChunkOnDevice chunk;
-    chunk.count = rays.size();
-    chunk.width = kRayTextureWidth;
-    chunk.height = static_cast<uint32_t>((rays.size() + kRayTextureWidth - 1) / kRayTextureWidth);
-    const size_t texels = size_t{chunk.width} * chunk.height;
-    std::vector<vec4> origins(texels, vec4(kPaddingRay.org, kPaddingRay.tmin));
-    std::vector<vec4> directions(texels, vec4(kPaddingRay.dir, kPaddingRay.tmax));
-    for (size_t i = 0; i < rays.size(); ++i) {
-        origins[i] = vec4(rays[i].org, rays[i].tmin);
-        directions[i] = vec4(rays[i].dir, rays[i].tmax);
-    }
-    chunk.origins =
-        gl::texture_2d("ray_origins", gl::TexelFormat::rgba32f, chunk.width, chunk.height, origins);
-    chunk.directions = gl::texture_2d("ray_directions", gl::TexelFormat::rgba32f, chunk.width,
-                                      chunk.height, directions);
-    return chunk;
-}
-
-ChunkOnDevice upload_to_buffer(std::span<const Ray> rays) {
-    ChunkOnDevice chunk;
-    chunk.count = rays.size();
-    chunk.buffer = gl::Buffer::of("rays", rays);
-    return chunk;
-}
-
-Hit make_hit(const float* t_u_v, const uint32_t* ids) {
-    return {t_u_v[0], t_u_v[1], t_u_v[2], ids[0], ids[1]};
-}
-
-RayCounters make_counters(const uint32_t* c) { return {c[0], c[1], c[2], c[3]}; }
 
 class GpuTracer final : public Tracer {
   public:
@@ -128,12 +30,10 @@ class GpuTracer final : public Tracer {
           library_(library),
           context_(context),
           glsl_version_(glsl_version_for(prepared_.info, entry, context.description().gl)) {
-        for (TextureData& texture : prepared_.inputs.textures) {
+        for (const TextureData& texture : prepared_.inputs.textures) {
             textures_.push_back(upload_texture(texture));
-            // The device has it now: give the memory back.
-            texture.texels = {};
-            texture.words = {};
         }
+        give_texels_back();
         cast_program(false);
     }
 
@@ -177,8 +77,31 @@ class GpuTracer final : public Tracer {
         return result;
     }
 
-    UpdateTimes update(std::span<const Affine>) override {
-        throw Error({name_, "an update", "a tracer that moves instances", "Make a new tracer."});
+    UpdateTimes update(std::span<const Affine> world_from_object) override {
+        const auto start = std::chrono::steady_clock::now();
+        TopLevelMove move = plan_move(prepared_, world_from_object);
+        const std::chrono::duration<double, std::milli> planning =
+            std::chrono::steady_clock::now() - start;
+        UpdateTimes times;
+        times.update_ms = planning.count();
+
+        // New textures first: the device may not hold them, and nothing has changed yet.
+        std::vector<gl::Texture> remade;
+        const auto upload = [&] {
+            for (const TextureData& texture : move.changes.remade) {
+                remade.push_back(upload_texture(texture));
+            }
+            for (const TexelBox& box : move.changes.boxes) {
+                gl::update_region(texture_named(box.texture), box.corner, box.size, box.texels);
+            }
+        };
+        times.upload_ms = gl::finish_and_time(context_, upload).wall_ms;
+
+        for (gl::Texture& texture : remade) texture_named(texture.name()) = std::move(texture);
+        commit_move(prepared_, std::move(move));
+        give_texels_back();
+        for_each_program([this](gl::Program& program) { bind_inputs(program); });
+        return times;
     }
 
     Frame render(const Camera& camera, const RenderSettings& settings) override {
@@ -209,6 +132,21 @@ class GpuTracer final : public Tracer {
         return rays;
     }
 
+    /// The device has them now.
+    void give_texels_back() {
+        for (TextureData& texture : prepared_.inputs.textures) {
+            texture.texels = {};
+            texture.words = {};
+        }
+    }
+
+    gl::Texture& texture_named(const std::string& name) {
+        const auto found = std::find_if(textures_.begin(), textures_.end(),
+                                        [&](const gl::Texture& t) { return t.name() == name; });
+        ONEPASS_CHECK(found != textures_.end());
+        return *found;
+    }
+
     // ---- Programs: one a variant ---------------------------------------------------------------
 
     gl::Program make_program(bool cast, std::vector<gl::ShaderConstant> constants,
@@ -227,6 +165,11 @@ class GpuTracer final : public Tracer {
                                                .constants = {}}));
         }
         gl::Program program(name_, stages);
+        bind_inputs(program);
+        return program;
+    }
+
+    void bind_inputs(gl::Program& program) {
         // A variant drops the textures and uniforms that it does not need.
         for (const gl::Texture& texture : textures_) {
             program.set_texture(texture.name(), texture, gl::Missing::allowed);
@@ -238,7 +181,14 @@ class GpuTracer final : public Tracer {
                 },
                 uniform.value);
         }
-        return program;
+    }
+
+    template <class F>
+    void for_each_program(const F& f) {
+        for (std::optional<gl::Program>& program : cast_programs_) {
+            if (program) f(*program);
+        }
+        for (RenderVariant& variant : render_programs_) f(variant.program);
     }
 
     gl::Program& cast_program(bool counters) {
@@ -284,17 +234,7 @@ class GpuTracer final : public Tracer {
         add_time(gl::finish_and_time(context_, [&] { gl::draw_fullscreen(program, framebuffer); }),
                  result);
 
-        const std::vector<float> hits = gl::read_floats(framebuffer.target(0));
-        const std::vector<uint32_t> ids = gl::read_uints(framebuffer.target(1));
-        for (size_t i = 0; i < chunk.count; ++i) {
-            result.hits.push_back(make_hit(&hits[4 * i], &ids[4 * i]));
-            result.flags.push_back(ids[4 * i + 2]);
-        }
-        if (!options.counters) return;
-        const std::vector<uint32_t> counters = gl::read_uints(framebuffer.target(2));
-        for (size_t i = 0; i < chunk.count; ++i) {
-            result.counters.push_back(make_counters(&counters[4 * i]));
-        }
+        append_hits(framebuffer, chunk.count, options.counters, result);
     }
 
     void cast_compute(const ChunkOnDevice& chunk, const CastOptions& options, CastResult& result) {
@@ -314,11 +254,7 @@ class GpuTracer final : public Tracer {
                                      [&] { gl::dispatch(program, uvec3(groups_x, groups_y, 1)); }),
                  result);
 
-        for (const HitRecord& record : hit_buffer.read<HitRecord>()) {
-            result.hits.push_back(make_hit(&record.hit.x, &record.ids.x));
-            result.flags.push_back(record.ids.z);
-            if (options.counters) result.counters.push_back(make_counters(&record.counters.x));
-        }
+        append_hits(hit_buffer, chunk.count, options.counters, result);
     }
 
     // ---- Render --------------------------------------------------------------------------------
@@ -334,23 +270,7 @@ class GpuTracer final : public Tracer {
         frame.wall_ms = time.wall_ms;
         frame.device_ms = time.device_ms;
 
-        const size_t pixels = size_t{settings.width} * settings.height;
-        const std::vector<float> color = gl::read_floats(framebuffer.target(0));
-        frame.color.reserve(pixels);
-        for (size_t i = 0; i < pixels; ++i) {
-            frame.color.push_back(vec3(color[4 * i], color[4 * i + 1], color[4 * i + 2]));
-        }
-        if (!settings.aovs) return;
-        const std::vector<float> hits = gl::read_floats(framebuffer.target(1));
-        const std::vector<uint32_t> ids = gl::read_uints(framebuffer.target(2));
-        const std::vector<float> normals = gl::read_floats(framebuffer.target(3));
-        const std::vector<uint32_t> counters = gl::read_uints(framebuffer.target(4));
-        for (size_t i = 0; i < pixels; ++i) {
-            frame.hits.push_back(make_hit(&hits[4 * i], &ids[4 * i]));
-            frame.flags.push_back(ids[4 * i + 2]);
-            frame.normals.push_back(vec3(normals[4 * i], normals[4 * i + 1], normals[4 * i + 2]));
-            frame.counters.push_back(make_counters(&counters[4 * i]));
-        }
+        append_pixels(framebuffer, settings.aovs, frame);
     }
 
     void render_compute(gl::Program& program, const RenderSettings& settings, Frame& frame) {
@@ -366,15 +286,7 @@ class GpuTracer final : public Tracer {
         frame.wall_ms = time.wall_ms;
         frame.device_ms = time.device_ms;
 
-        frame.color.reserve(pixels);
-        for (const PixelRecord& record : pixel_buffer.read<PixelRecord>()) {
-            frame.color.push_back(vec3(record.color));
-            if (!settings.aovs) continue;
-            frame.hits.push_back(make_hit(&record.hit.x, &record.ids.x));
-            frame.flags.push_back(record.ids.z);
-            frame.normals.push_back(vec3(record.normal));
-            frame.counters.push_back(make_counters(&record.counters.x));
-        }
+        append_pixels(pixel_buffer, pixels, settings.aovs, frame);
     }
 
     struct RenderVariant {

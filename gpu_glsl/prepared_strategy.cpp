@@ -13,6 +13,7 @@
 #include "gpu_glsl/pack/shading_tables.h"
 #include "gpu_glsl/pack/two_level_buffers.h"
 #include "gpu_glsl/pack/two_level_textures.h"
+#include "gpu_glsl/pack/two_level_variants.h"
 
 namespace onepass {
 namespace {
@@ -51,17 +52,31 @@ std::vector<ParamInfo> two_level_sizing_params() {
     };
 }
 
+std::vector<ParamInfo> two_level_params() {
+    std::vector<ParamInfo> params = two_level_sizing_params();
+    params.push_back({"atlas",
+                      ParamInfo::Type::integer,
+                      "256",
+                      "cells a side of the cell texture, at most",
+                      {}});
+    return params;
+}
+
+/// The paper's storage can have its tables in other widths.
 std::vector<ParamInfo> two_level_texture_params() {
     using Type = ParamInfo::Type;
-    std::vector<ParamInfo> params = two_level_sizing_params();
-    params.push_back(
-        {"address",
-         Type::choice,
-         "auto",
-         "width of a texture address: half (16-bit float) where the scene fits, else float",
-         {"auto", "half", "float"}});
-    params.push_back(
-        {"atlas", Type::integer, "256", "cells a side of the cell texture, at most", {}});
+    std::vector<ParamInfo> params = two_level_params();
+    params.push_back({"address",
+                      Type::choice,
+                      "auto",
+                      "width of a texture address: half (16-bit float) where the scene fits, else "
+                      "float",
+                      {"auto", "half", "float"}});
+    params.push_back({"geometry",
+                      Type::choice,
+                      "float",
+                      "width of a triangle's numbers: half is a 16-bit float, and leaves holes",
+                      {"float", "half"}});
     return params;
 }
 
@@ -93,11 +108,22 @@ double positive(const Params& params, const std::string& name) {
     return value;
 }
 
+bool has(const Params& params, const std::string& name) { return params.values().contains(name); }
+
 AddressWidth address_width(const Params& params) {
     const std::string& text = params.text("address");
     if (text == "half") return AddressWidth::half;
     if (text == "float") return AddressWidth::single;
     return AddressWidth::automatic;
+}
+
+/// What the strategy's own parameters, and `geometry` where the storage has it, ask of triangles.
+TrianglePlanesOptions triangle_options(const Params& params) {
+    TrianglePlanesOptions options;
+    options.local = has(params, "local_planes") && params.integer("local_planes") == 1;
+    const bool half = has(params, "geometry") && params.text("geometry") == "half";
+    options.format = half ? ChannelFormat::half : ChannelFormat::single;
+    return options;
 }
 
 TwoLevelSizing two_level_sizing(const Params& params) {
@@ -109,15 +135,18 @@ TwoLevelSizing two_level_sizing(const Params& params) {
     return sizing;
 }
 
-/// Moves what a packing made into the strategy, with the times of build and packing.
+/// Moves what a packing made into the strategy.
 template <class Packed>
-void add_packed(PreparedStrategy& prepared, Packed packed, double build_ms, double pack_ms) {
-    prepared.stats = {{"build_ms", build_ms, "both levels, all threads"}, {"pack_ms", pack_ms, ""}};
+void add_packed(PreparedStrategy& prepared, Packed& packed) {
     std::move(packed.stats.begin(), packed.stats.end(), std::back_inserter(prepared.stats));
     prepared.inputs.append(std::move(packed.inputs));
 }
 
-void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
+/// Builds and packs, then gives the tables another form. `variant` may be null.
+void pack_two_level_as(PreparedStrategy& prepared, const TextureLimits& limits,
+                       AddressWidth address,
+                       TwoLevelTextures (*variant)(const Scene&, TwoLevelTextures,
+                                                   const TextureLimits&)) {
     const Params& params = prepared.params;
     const TwoLevelSizing sizing = two_level_sizing(params);
     const long atlas = params.integer("atlas");
@@ -126,14 +155,43 @@ void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
                      "The default is 256."});
     }
 
-    const TwoLevelGrid grid = build_two_level_grid(*prepared.scene, sizing);
+    // Only a scene that moves pays for the room and for the grids that are kept. The other forms
+    // are made from finished tables: they do not move.
+    const bool moves = !prepared.scene->animation.empty() && variant == nullptr;
+    const TwoLevelTexturesOptions options{
+        .address = address,
+        .cell_texture_limit = static_cast<uint32_t>(std::min(atlas, 65536L)),
+        .triangles = triangle_options(params),
+        .limits = limits,
+        .moving = moves};
+    const uint64_t built_before = triangle_grids_built();
+    TwoLevelGrid grid = build_two_level_grid(*prepared.scene, sizing);
+    const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
     const auto start = std::chrono::steady_clock::now();
-    TwoLevelTextures packed = pack_two_level_textures(
-        *prepared.scene, grid,
-        {.address = address_width(params),
-         .cell_texture_limit = static_cast<uint32_t>(std::min(atlas, 65536L)),
-         .limits = limits});
-    add_packed(prepared, std::move(packed), grid.build_ms, ms_since(start));
+    TwoLevelTextures packed = pack_two_level_textures(*prepared.scene, grid, options);
+    if (variant != nullptr) packed = variant(*prepared.scene, std::move(packed), limits);
+    prepared.stats = {{"build_ms", grid.build_ms, "both levels, all threads"},
+                      {"pack_ms", ms_since(start), ""},
+                      {"object_builds", object_builds, "object grids built so far"},
+                      {"top_builds", 1.0, "top-level grids built so far"},
+                      {"repacks", 0.0, "times the top level outgrew its room"}};
+    add_packed(prepared, packed);
+    if (moves) {
+        prepared.moving = std::make_unique<MovingTopLevel>(
+            prepared.scene, std::move(grid), sizing.top, std::move(packed.places), options);
+    }
+}
+
+void pack_two_level(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_two_level_as(prepared, limits, address_width(prepared.params), nullptr);
+}
+
+void pack_two_level_copies(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_two_level_as(prepared, limits, AddressWidth::single, with_copied_triangles);
+}
+
+void pack_two_level_virtual(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_two_level_as(prepared, limits, AddressWidth::single, with_virtual_arrays);
 }
 
 // ---- The two-level grid in buffers -------------------------------------------------------------
@@ -143,7 +201,9 @@ void pack_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
         build_two_level_grid(*prepared.scene, two_level_sizing(prepared.params));
     const auto start = std::chrono::steady_clock::now();
     TwoLevelBuffers packed = pack_two_level_buffers(*prepared.scene, grid, limits);
-    add_packed(prepared, std::move(packed), grid.build_ms, ms_since(start));
+    prepared.stats = {{"build_ms", grid.build_ms, "both levels, all threads"},
+                      {"pack_ms", ms_since(start), ""}};
+    add_packed(prepared, packed);
 }
 
 // ---- All structures and storages ---------------------------------------------------------------
@@ -158,6 +218,8 @@ struct Packing {
 
 constexpr Packing kPackings[] = {
     {"two_level_grid", "texture2d", two_level_texture_params, pack_two_level},
+    {"two_level_grid", "texture2d_copies", two_level_params, pack_two_level_copies},
+    {"two_level_grid", "texture2d_virtual", two_level_params, pack_two_level_virtual},
     {"two_level_grid", "buffer", two_level_sizing_params, pack_in_buffers},
 };
 
@@ -168,6 +230,13 @@ const Packing& find_packing(const gl::StrategyInfo& info, const std::string& sto
     throw Error({info.file, fmt::format("structure '{}' in storage '{}'", info.structure, storage),
                  "a pair that gpu_glsl/prepared_strategy.cpp knows how to pack",
                  "Add its builder and packing to kPackings there."});
+}
+
+Stat& find_stat(std::vector<Stat>& stats, const std::string& name) {
+    const auto found =
+        std::find_if(stats.begin(), stats.end(), [&](const Stat& s) { return s.name == name; });
+    ONEPASS_CHECK(found != stats.end());
+    return *found;
 }
 
 gl::ShaderConstant param_constant(const ParamInfo& info, const Params& params) {
@@ -224,7 +293,8 @@ PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::strin
                               .params = Params(info.name, strategy_params(info, storage), values),
                               .inputs = {},
                               .param_constants = {},
-                              .stats = {}};
+                              .stats = {},
+                              .moving = nullptr};
     for (const ParamInfo& param : info.params) {
         prepared.param_constants.push_back(param_constant(param, prepared.params));
     }
@@ -235,6 +305,39 @@ PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::strin
     prepared.stats.push_back(
         {"device_bytes", structure_bytes, "structure, without shading tables"});
     return prepared;
+}
+
+TopLevelMove plan_move(const PreparedStrategy& prepared,
+                       std::span<const Affine> world_from_object) {
+    if (!prepared.moving) {
+        const bool moves = !prepared.scene->animation.empty();
+        throw Error(
+            {fmt::format("moving instances with {}/{}", prepared.info.name, prepared.storage),
+             moves ? "a storage that is packed once and for all"
+                   : "a tracer of a scene without an animation",
+             moves ? "one that can be packed again in part" : "a scene whose instances move",
+             "Make a new tracer of the moved scene."});
+    }
+    const uint64_t built_before = triangle_grids_built();
+    TopLevelMove move = prepared.moving->plan(world_from_object);
+    const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
+    move.counts = {{"object_builds", object_builds, ""},
+                   {"top_builds", 1.0, ""},
+                   {"repacks", move.repacked ? 1.0 : 0.0, ""}};
+    return move;
+}
+
+void commit_move(PreparedStrategy& prepared, TopLevelMove move) {
+    prepared.moving->commit(move);
+    prepared.inputs.apply(std::move(move.changes));
+    for (const Stat& count : move.counts) {
+        find_stat(prepared.stats, count.name).value += count.value;
+    }
+    for (Stat& stat : move.stats) {
+        Stat& own = find_stat(prepared.stats, stat.name);
+        own.value = stat.value;
+        if (!stat.note.empty()) own.note = std::move(stat.note);
+    }
 }
 
 }  // namespace onepass

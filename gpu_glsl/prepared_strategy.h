@@ -3,6 +3,8 @@
 // GPU tracers and twins start from the same PreparedStrategy; they differ in who runs the shader.
 #pragma once
 
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +13,7 @@
 #include "core/scene_needs.h"
 #include "gpu_glsl/gl/shader_library.h"
 #include "gpu_glsl/pack/shader_inputs.h"
+#include "gpu_glsl/pack/top_level_update.h"
 
 namespace onepass {
 
@@ -22,6 +25,7 @@ struct PreparedStrategy {
     ShaderInputs inputs;                              ///< the structure's and the shading tables
     std::vector<gl::ShaderConstant> param_constants;  ///< the strategy's own parameters
     std::vector<Stat> stats;
+    std::unique_ptr<MovingTopLevel> moving;  ///< what moving takes; null: it does not move
 
     /// The roots of a shader: storage, strategy, then the entry.
     std::vector<std::string> files_with(const std::string& entry_file) const;
@@ -40,5 +44,13 @@ std::vector<ParamInfo> strategy_params(const gl::StrategyInfo& info, const std::
 PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::string& storage,
                                   ScenePtr scene, const ParamValues& values,
                                   const TextureLimits& limits);
+
+/// Works out what Tracer::update() changes; nothing has changed yet.
+/// Throws: Error as Tracer::update().
+TopLevelMove plan_move(const PreparedStrategy& prepared, std::span<const Affine> world_from_object);
+
+/// Goes over to what was planned: inputs, statistics and room. Textures whose texels were given
+/// back stay without, but for those that the move remade.
+void commit_move(PreparedStrategy& prepared, TopLevelMove move);
 
 }  // namespace onepass

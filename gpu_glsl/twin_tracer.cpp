@@ -9,7 +9,6 @@
 #include <tbb/task_arena.h>
 
 #include "core/camera.h"
-#include "core/error.h"
 
 namespace onepass {
 namespace {
@@ -78,8 +77,10 @@ class TwinTracer final : public Tracer {
         return result;
     }
 
-    UpdateTimes update(std::span<const Affine>) override {
-        throw Error({name_, "an update", "a tracer that moves instances", "Make a new tracer."});
+    UpdateTimes update(std::span<const Affine> world_from_object) override {
+        const auto start = std::chrono::steady_clock::now();
+        commit_move(prepared_, plan_move(prepared_, world_from_object));
+        return {.update_ms = ms_since(start), .upload_ms = 0.0};
     }
 
     Frame render(const Camera& camera, const RenderSettings& settings) override {

@@ -1,60 +1,13 @@
-// The generated scenes. Their counts are part of their contract; their looks were judged by eye.
+// The generated scenes of our own, and balls-1. The paper's other scenes are in scenes/paper. Their
+// counts are part of their contract; their looks were judged by eye.
 #include <cmath>
-#include <numbers>
 
+#include "scenes/describe.h"
+#include "scenes/motions.h"
 #include "scenes/scenes.h"
 #include "scenes/shapes.h"
 
 namespace onepass {
-namespace {
-
-constexpr float kFov = 0.698131701f;  // 40 degrees
-
-Material matte(const char* name, const vec3& color) {
-    return {.name = name,
-            .diffuse = color,
-            .specular = vec3(0),
-            .shininess = 1.0f,
-            .reflectivity = 0.0f};
-}
-
-Material glossy(const char* name, const vec3& color, float shininess) {
-    return {.name = name,
-            .diffuse = color,
-            .specular = vec3(0.5f),
-            .shininess = shininess,
-            .reflectivity = 0.0f};
-}
-
-Material mirror(const char* name, const vec3& color) {
-    return {.name = name,
-            .diffuse = color,
-            .specular = vec3(0.8f),
-            .shininess = 120.0f,
-            .reflectivity = 0.85f};
-}
-
-PointLight light(const char* name, const vec3& position, const vec3& intensity) {
-    return {.name = name, .position = position, .intensity = intensity};
-}
-
-Camera camera(const vec3& eye, const vec3& target) {
-    Camera result = look_at(eye, target, vec3(0, 1, 0), kFov);
-    result.name = "main";
-    return result;
-}
-
-uint32_t add_material(Scene& scene, const Material& material) {
-    scene.materials.push_back(material);
-    return static_cast<uint32_t>(scene.materials.size()) - 1;
-}
-
-void add_instance(Scene& scene, const char* name, uint32_t object, const Affine& world_from_object,
-                  std::vector<uint32_t> materials) {
-    scene.instances.push_back({name, object, world_from_object, std::move(materials)});
-}
-
-}  // namespace
 
 Scene make_balls_1() {
     Scene scene;
@@ -103,6 +56,7 @@ Scene make_balls_1() {
     scene.lights = {light("key", vec3(5, 9, 7), vec3(0.75f, 0.73f, 0.68f)),
                     light("fill", vec3(-7, 6, 4), vec3(0.32f, 0.35f, 0.42f))};
     scene.cameras = {camera(vec3(0.2f, 3.9f, 10.8f), vec3(0, 0.75f, -0.3f))};
+    orbiting_mirrors(scene);
     return scene;
 }
 

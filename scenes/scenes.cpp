@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "core/error.h"
+#include "scenes/shapes.h"
 
 namespace onepass {
 namespace {
@@ -17,23 +18,46 @@ struct MeshFile {
     const char* name;    ///< of the file in the cache folder
     const char* folder;  ///< where the package installs it
     const char* package;
+    const char* fetch = "./dev meshes all";  ///< the command that brings it
 };
 
-std::filesystem::path find_mesh(const MeshFile& mesh) {
+constexpr MeshFile kBunny{"bunny.obj", "/usr/share/glmark2/models", "glmark2-data"};
+constexpr MeshFile kCornell{"cornell_box.obj", "/usr/share/doc/embree3/models", "embree-tools"};
+constexpr MeshFile kMotorbike{"motorBike.obj.gz",
+                              "/usr/share/doc/openfoam-examples/examples/resources/geometry",
+                              "openfoam-examples"};
+constexpr MeshFile kSr71a{"Blackbird-SR71A-lowpoly.ac",
+                          "/usr/share/games/flightgear/AI/Aircraft/SR-71", "flightgear-data-ai",
+                          "./dev meshes sr71a"};
+
+std::vector<std::filesystem::path> mesh_folders(const MeshFile& mesh) {
     std::vector<std::filesystem::path> folders;
     if (const char* folder = std::getenv("ONEPASS_SCENE_DIR")) folders.emplace_back(folder);
     folders.emplace_back(".cache/scenes");
     folders.emplace_back(mesh.folder);
-    std::string tried;
-    for (const std::filesystem::path& folder : folders) {
+    return folders;
+}
+
+/// Empty if no folder has it.
+std::filesystem::path find_mesh(const MeshFile& mesh) {
+    for (const std::filesystem::path& folder : mesh_folders(mesh)) {
         std::error_code ignored;
         if (std::filesystem::is_regular_file(folder / mesh.name, ignored))
             return folder / mesh.name;
+    }
+    return {};
+}
+
+LoadedScene read_mesh(const MeshFile& mesh) {
+    const std::filesystem::path path = find_mesh(mesh);
+    if (!path.empty()) return read_scene_file(path);
+    std::string tried;
+    for (const std::filesystem::path& folder : mesh_folders(mesh)) {
         tried += (tried.empty() ? "" : ", ") + folder.string();
     }
     throw Error({mesh.name, "no such file in " + tried,
                  fmt::format("the mesh of Debian's package {}", mesh.package),
-                 fmt::format("Run `./dev meshes all`, or `apt-get install {}`.", mesh.package)});
+                 fmt::format("Run `{}`, or `apt-get install {}`.", mesh.fetch, mesh.package)});
 }
 
 /// The views of the published figures: 0.75 diagonals from the centre, 45 degrees.
@@ -47,8 +71,7 @@ Camera published_view(const Bounds& bounds, const vec3& direction, const vec3& u
 }
 
 LoadedScene load_bunny() {
-    LoadedScene loaded =
-        read_scene_file(find_mesh({"bunny.obj", "/usr/share/glmark2/models", "glmark2-data"}));
+    LoadedScene loaded = read_mesh(kBunny);
     loaded.scene.background = vec3(0.2f, 0.23f, 0.28f);
     loaded.scene.cameras = {
         published_view(scene_bounds(loaded.scene), vec3(0.3f, 0.25f, 1.0f), vec3(0, 1, 0))};
@@ -57,9 +80,7 @@ LoadedScene load_bunny() {
 }
 
 LoadedScene load_motorbike() {
-    LoadedScene loaded = read_scene_file(find_mesh(
-        {"motorBike.obj.gz", "/usr/share/doc/openfoam-examples/examples/resources/geometry",
-         "openfoam-examples"}));
+    LoadedScene loaded = read_mesh(kMotorbike);
     loaded.scene.background = vec3(0.2f, 0.23f, 0.28f);
     loaded.scene.cameras = {
         published_view(scene_bounds(loaded.scene), vec3(-0.5f, -1.0f, 0.35f), vec3(0, 0, 1))};
@@ -68,8 +89,7 @@ LoadedScene load_motorbike() {
 }
 
 LoadedScene load_cornell() {
-    LoadedScene loaded = read_scene_file(
-        find_mesh({"cornell_box.obj", "/usr/share/doc/embree3/models", "embree-tools"}));
+    LoadedScene loaded = read_mesh(kCornell);
     // The view of the original data (http://www.graphics.cornell.edu/online/box/data.html). The one
     // light hangs before the original lamp's place, so that the blocks' fronts are not all dark.
     constexpr float kFov = 0.685f;  // 39.3 degrees: 0.025 wide at a focal length of 0.035
@@ -83,33 +103,96 @@ LoadedScene load_cornell() {
     return loaded;
 }
 
+/// The real aircraft, placed, lit and seen as its stand-in is.
+
+LoadedScene load_sr71a_real() {
+    LoadedScene loaded = read_mesh(kSr71a);
+    Scene& scene = loaded.scene;
+    const Scene stand_in = make_sr71a();
+    scene.background = stand_in.background;
+    scene.ambient = stand_in.ambient;
+    scene.lights = stand_in.lights;
+    scene.cameras = stand_in.cameras;
+
+    // The file's nose points along -x, the stand-in's along +z; the middles go together.
+    const Affine turn = rotation(vec3(0, 1, 0), 90);
+    const float ahead =
+        scene_bounds(stand_in).centre().z - transform_bounds(turn, scene_bounds(scene)).centre().z;
+    scene.instances[0].world_from_object = compose(translation(vec3(0, 0, ahead)), turn);
+
+    // What is black in a texture is white in the file's materials: it gets the stand-in's paint.
+    for (Material& material : scene.materials) {
+        if (material.diffuse != vec3(1)) continue;
+        const std::string name = material.name;
+        material = stand_in.materials[stand_in.instances[0].materials[0]];
+        material.name = name;
+    }
+    supply_missing(loaded);
+
+    return loaded;
+}
+
 struct BuiltinScene {
     SceneInfo info;
     std::function<LoadedScene()> load;
+    const MeshFile* mesh = nullptr;  ///< what it is read from; null: it is generated
 };
 
-LoadedScene generated(Scene scene) {
-    validate(scene);
-    return {std::move(scene), {}};
+BuiltinScene generated(SceneInfo info, Scene (*make)()) {
+    return {std::move(info), [make] {
+                LoadedScene loaded{make(), {}};
+                validate(loaded.scene);
+                return loaded;
+            }};
 }
 
 const std::vector<BuiltinScene>& scene_table() {
     static const std::vector<BuiltinScene> table = {
-        {{"balls-1", "10 balls, two of them mirrors that see each other; 31,200 triangles",
-          "stand-in with the counts of the paper's Balls-1"},
-         [] { return generated(make_balls_1()); }},
-        {{"instances", "rotated, stretched, sheared and mirrored instances of four objects",
-          "generated"},
-         [] { return generated(make_instances()); }},
-        {{"big-small", "6 large triangles over 20,000 small ones in one object", "generated"},
-         [] { return generated(make_big_small()); }},
-        {{"bunny", "closed scanned mesh, 69,666 triangles", "Debian glmark2-data, GPL-3+"},
-         load_bunny},
-        {{"cornell", "the Cornell box, 34 triangles", "Debian embree-tools, Apache-2.0"},
-         load_cornell},
-        {{"motorbike", "motorcycle with rider, 331,653 triangles, 67,326 of them duplicates",
+        // The paper's.
+        generated({"balls-1", "ten balls, two of them mirrors that see each other",
+                   "stand-in for Balls-1 of the paper's table 1"},
+                  make_balls_1),
+        generated({"chair-wood", "a turned wooden chair on a floor",
+                   "stand-in for Chair_wood of the paper's table 1"},
+                  make_chair_wood),
+        generated({"palm-pc", "a handheld computer with a mirroring screen, and its stylus",
+                   "stand-in for PalmPC of the paper's table 1"},
+                  make_palm_pc),
+        generated({"knife", "a knife with a mirroring blade, one mesh",
+                   "stand-in for Knife of the paper's table 1"},
+                  make_knife),
+        generated({"sr71a", "the aircraft in flight, one mesh",
+                   "stand-in for SR71A of the paper's table 1"},
+                  make_sr71a),
+        generated({"palace", "columns, walls and domes on steps",
+                   "stand-in for Palace of the paper's table 1"},
+                  make_palace),
+        generated({"hind24", "24 helicopters in formation, instances of one mesh",
+                   "stand-in for Hind24 of the paper's figure 1"},
+                  make_hind24),
+        generated({"hind24-flying", "the same squadron, its rotors instances of their own",
+                   "stand-in for Hind24 of the paper's figure 1"},
+                  make_hind24_flying),
+
+        // Our own.
+        generated({"instances", "rotated, stretched, sheared and mirrored instances", "generated"},
+                  make_instances),
+        generated(
+            {"big-small", "6 large triangles over 20,000 small ones in one object", "generated"},
+            make_big_small),
+
+        // Real meshes.
+        {{"bunny", "closed scanned mesh", "Debian glmark2-data, GPL-3+"}, load_bunny, &kBunny},
+        {{"cornell", "the Cornell box", "Debian embree-tools, Apache-2.0"},
+         load_cornell,
+         &kCornell},
+        {{"motorbike", "motorcycle with rider, 67,326 triangles are duplicates",
           "Debian openfoam-examples, GPL-3+"},
-         load_motorbike},
+         load_motorbike,
+         &kMotorbike},
+        {{"sr71a-real", "the aircraft in 148 parts", "Debian flightgear-data-ai, GPL-2+"},
+         load_sr71a_real,
+         &kSr71a},
     };
     return table;
 }
@@ -123,6 +206,14 @@ const std::vector<SceneInfo>& builtin_scenes() {
         return result;
     }();
     return infos;
+}
+
+std::string how_to_fetch(const std::string& name) {
+    for (const BuiltinScene& scene : scene_table()) {
+        if (scene.info.name != name || scene.mesh == nullptr) continue;
+        return find_mesh(*scene.mesh).empty() ? scene.mesh->fetch : "";
+    }
+    return "";
 }
 
 LoadedScene load_scene(const std::string& name_or_path) {

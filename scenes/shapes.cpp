@@ -28,6 +28,56 @@ std::vector<dvec3> profile_normals(std::span<const vec2> profile) {
     return normals;
 }
 
+/// Triangles over a pole, stacks - 1 rings of `slices` vertices, and a pole: a fan, bands of quads,
+/// a fan. Rings run counter-clockwise seen from the last pole.
+void add_ring_triangles(Object& object, uint32_t slices, uint32_t stacks) {
+    const auto vertex = [&](uint32_t ring, uint32_t s) {
+        return 1 + (ring - 1) * slices + s % slices;
+    };
+    const uint32_t last = vertex(stacks, 0);
+    for (uint32_t s = 0; s < slices; ++s) {
+        object.triangles.emplace_back(0, vertex(1, s + 1), vertex(1, s));
+    }
+    for (uint32_t ring = 1; ring + 1 < stacks; ++ring) {
+        for (uint32_t s = 0; s < slices; ++s) {
+            const uint32_t a = vertex(ring, s), b = vertex(ring, s + 1);
+            const uint32_t c = vertex(ring + 1, s + 1), d = vertex(ring + 1, s);
+            object.triangles.emplace_back(a, b, c);
+            object.triangles.emplace_back(a, c, d);
+        }
+    }
+    for (uint32_t s = 0; s < slices; ++s) {
+        object.triangles.emplace_back(vertex(stacks - 1, s), vertex(stacks - 1, s + 1), last);
+    }
+}
+
+/// The point of a section's outline at `angle`, counter-clockwise seen from +z.
+vec3 outline_point(const Section& section, double angle) {
+    // |x|^e + |y|^e = 1. What should be 0 comes out as 1e-16, and a small power would enlarge it.
+    constexpr double kZero = 1e-12;
+    const auto power = [&](double c) {
+        if (std::abs(c) < kZero) return 0.0;
+        return std::copysign(std::pow(std::abs(c), 2.0 / section.exponent), c);
+    };
+    const double x = section.half_width * power(std::cos(angle));
+    const double s = power(std::sin(angle));
+    const double height = s > 0.0 ? section.top - section.waist : section.waist - section.bottom;
+    return vec3(dvec3(x, section.waist + height * s, section.at));
+}
+
+void append_mesh(Object& target, const Object& part, const Affine& target_from_part) {
+    ONEPASS_CHECK(target.positions.empty() || target.normals.empty() == part.normals.empty());
+    const uvec3 first(static_cast<uint32_t>(target.positions.size()));
+    for (const vec3& p : part.positions) {
+        target.positions.push_back(transform_point(target_from_part, p));
+    }
+    const Affine part_from_target(inverse(target_from_part));
+    for (const vec3& n : part.normals) {
+        target.normals.push_back(transform_normal(part_from_target, n));
+    }
+    for (const uvec3& triangle : part.triangles) target.triangles.push_back(first + triangle);
+}
+
 }  // namespace
 
 Object make_lathe(std::span<const vec2> profile, uint32_t slices) {
@@ -54,25 +104,7 @@ Object make_lathe(std::span<const vec2> profile, uint32_t slices) {
     }
     add_vertex(stacks, 0.0);
 
-    // Triangles: a fan, bands of quads, a fan.
-    const auto vertex = [&](uint32_t ring, uint32_t s) {
-        return 1 + (ring - 1) * slices + s % slices;
-    };
-    const uint32_t top = static_cast<uint32_t>(object.positions.size()) - 1;
-    for (uint32_t s = 0; s < slices; ++s) {
-        object.triangles.emplace_back(0, vertex(1, s + 1), vertex(1, s));
-    }
-    for (uint32_t ring = 1; ring + 1 < stacks; ++ring) {
-        for (uint32_t s = 0; s < slices; ++s) {
-            const uint32_t a = vertex(ring, s), b = vertex(ring, s + 1);
-            const uint32_t c = vertex(ring + 1, s + 1), d = vertex(ring + 1, s);
-            object.triangles.emplace_back(a, b, c);
-            object.triangles.emplace_back(a, c, d);
-        }
-    }
-    for (uint32_t s = 0; s < slices; ++s) {
-        object.triangles.emplace_back(vertex(stacks - 1, s), vertex(stacks - 1, s + 1), top);
-    }
+    add_ring_triangles(object, slices, stacks);
     add_single_group(object);
     return object;
 }
@@ -90,6 +122,55 @@ Object make_sphere(uint32_t slices, uint32_t stacks) {
     sphere.normals = sphere.positions;
     add_single_group(sphere);
     return sphere;
+}
+
+Object make_loft(std::span<const Section> sections, uint32_t slices) {
+    ONEPASS_CHECK_LE(3u, slices);
+    ONEPASS_CHECK_LE(size_t{3}, sections.size());
+    const auto stacks = static_cast<uint32_t>(sections.size() - 1);
+    Object object;
+    object.name = "loft";
+    object.positions.emplace_back(0.0f, sections.front().waist, sections.front().at);
+    for (const Section& section : sections.subspan(1, stacks - 1)) {
+        for (uint32_t s = 0; s < slices; ++s) {
+            object.positions.push_back(outline_point(section, 2.0 * std::numbers::pi * s / slices));
+        }
+    }
+    object.positions.emplace_back(0.0f, sections.back().waist, sections.back().at);
+    add_ring_triangles(object, slices, stacks);
+    add_single_group(object);
+    return object;
+}
+
+Object make_blade(std::span<const Section> sections) {
+    ONEPASS_CHECK_LE(size_t{2}, sections.size());
+    const auto rings = static_cast<uint32_t>(sections.size() - 1);
+    Object object;
+    object.name = "blade";
+    for (const Section& section : sections.first(rings)) {
+        object.positions.emplace_back(section.half_width, section.waist, section.at);
+        object.positions.emplace_back(0.0f, section.top, section.at);
+        object.positions.emplace_back(-section.half_width, section.waist, section.at);
+        object.positions.emplace_back(0.0f, section.bottom, section.at);
+    }
+    const auto point = static_cast<uint32_t>(object.positions.size());
+    object.positions.emplace_back(0.0f, sections.back().waist, sections.back().at);
+
+    // Triangles: the cap, bands of quads, the point.
+    object.triangles = {{0, 3, 2}, {0, 2, 1}};
+    for (uint32_t first = 0; first < 4 * rings; first += 4) {
+        for (uint32_t s = 0; s < 4; ++s) {
+            const uint32_t a = first + s, b = first + (s + 1) % 4;
+            if (first + 4 == point) {
+                object.triangles.emplace_back(a, b, point);
+            } else {
+                object.triangles.emplace_back(a, b, b + 4);
+                object.triangles.emplace_back(a, b + 4, a + 4);
+            }
+        }
+    }
+    add_single_group(object);
+    return object;
 }
 
 Object make_box(uint32_t a, uint32_t b, uint32_t c) {
@@ -155,19 +236,20 @@ Object make_grid(uint32_t a, uint32_t b) {
 }
 
 void append_shape(Object& target, const Object& part, const Affine& target_from_part,
-                  std::string group_name) {
-    ONEPASS_CHECK(target.positions.empty() || target.normals.empty() == part.normals.empty());
-    const uvec3 first(static_cast<uint32_t>(target.positions.size()));
-    target.groups.push_back({std::move(group_name), static_cast<uint32_t>(target.triangles.size()),
-                             static_cast<uint32_t>(part.triangles.size())});
-    for (const vec3& p : part.positions) {
-        target.positions.push_back(transform_point(target_from_part, p));
+                  const std::string& group_name) {
+    if (target.groups.empty() || target.groups.back().name != group_name) {
+        target.groups.push_back({group_name, static_cast<uint32_t>(target.triangles.size()), 0});
     }
-    const Affine part_from_target(inverse(target_from_part));
-    for (const vec3& n : part.normals) {
-        target.normals.push_back(transform_normal(part_from_target, n));
+    target.groups.back().triangle_count += static_cast<uint32_t>(part.triangles.size());
+    append_mesh(target, part, target_from_part);
+}
+
+void append_shape(Object& target, const Object& part, const Affine& target_from_part) {
+    for (TriangleGroup group : part.groups) {
+        group.first_triangle += static_cast<uint32_t>(target.triangles.size());
+        target.groups.push_back(group);
     }
-    for (const uvec3& triangle : part.triangles) target.triangles.push_back(first + triangle);
+    append_mesh(target, part, target_from_part);
 }
 
 Affine translation(const vec3& offset) {
@@ -196,6 +278,14 @@ Affine shear_x_by_y(float factor) {
     Affine m = affine_identity();
     m[1].x = factor;
     return m;
+}
+
+Affine spanning(const vec3& from, const vec3& to) {
+    const dvec3 axis = dvec3(to) - dvec3(from);
+    const dvec3 y = glm::normalize(axis);
+    const dvec3 aside = std::abs(y.x) < 0.5 ? dvec3(1, 0, 0) : dvec3(0, 0, 1);
+    const dvec3 z = glm::normalize(glm::cross(aside, y));
+    return Affine(vec3(glm::cross(y, z)), vec3(axis), vec3(z), from);
 }
 
 }  // namespace onepass

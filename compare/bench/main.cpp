@@ -6,6 +6,7 @@
 #include <tbb/task_arena.h>
 
 #include "compare/bench/build_benchmarks.h"
+#include "compare/bench/moving_benchmarks.h"
 #include "compare/bench/versus_embree.h"
 #include "core/error.h"
 #include "cpu_ref/embree_tracer.h"
@@ -18,7 +19,9 @@ void describe_comparison() {
     benchmark::AddCustomContext(
         "compared",
         fmt::format("wall time of our build against rtcCommitScene at medium quality of the same "
-                    "mesh; both on {} threads, by turns in the same run, {} rounds; "
+                    "mesh (top_level_*: of our update of moving instances against rtcCommitScene "
+                    "after moving the same); both on {} threads, by turns in the same run, {} "
+                    "rounds; "
                     "ratio_to_embree_commit = ours / Embree's, of medians, with a 95 % bootstrap "
                     "interval; below 1 ours is faster",
                     threads, onepass::kRounds));
@@ -33,6 +36,7 @@ int main(int argc, char** argv) {
     try {
         describe_comparison();
         onepass::register_build_benchmarks();
+        onepass::register_moving_benchmarks();
         benchmark::RunSpecifiedBenchmarks();
     } catch (const onepass::Error& error) {
         std::fprintf(stderr, "onepass_bench: %s\n", error.what());

@@ -1,15 +1,19 @@
 // onepass check: every strategy against the oracle, ray by ray and pixel by pixel.
 #include <cmath>
+#include <map>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "compare/atomic_file.h"
+#include "compare/attribution.h"
 #include "compare/cli/commands.h"
 #include "compare/cli/options.h"
 #include "compare/cli/pictures.h"
 #include "compare/cli/progress_bar.h"
 #include "compare/cli/table.h"
+#include "compare/frames.h"
 #include "compare/images.h"
 #include "compare/manifest.h"
 #include "core/error.h"
@@ -24,6 +28,9 @@ struct CheckCommand {
     std::vector<std::string> allow;
     double sample = HitCheckOptions{}.agreement_sample;
     bool image = true;
+    std::string frames;  ///< empty: the scenes at rest
+    double fps = 24.0;
+    bool attribute = false;
     std::string json;
     std::string pictures;
 };
@@ -72,6 +79,27 @@ std::string failure_text(const CheckRecord& record) {
                                record.allowed[c]);
     }
     return reasons;
+}
+
+/// The wrong rays of one record, by the deviation that each disappears without.
+std::string attribution_text(const CheckRecord& record, const Attribution& attribution) {
+    std::string text = fmt::format("{}, {} rays, {}: where {} wrong rays come from\n", record.scene,
+                                   record.rays, record.tracer, record.errors());
+    std::map<std::string, Culprit> by_id;
+    for (const Culprit& culprit : attribution.culprits) by_id[culprit.id()] = culprit;
+    for (const auto& [id, count] : attribution.record.by_deviation) {
+        if (count == 0) continue;
+        text += fmt::format("  {} rays by {}\n", count, id);
+        for (const Deviation& deviation : by_id[id].off) {
+            text += fmt::format("    {}: {}; gone with --param {}={}\n", deviation.id,
+                                deviation.summary, deviation.param, deviation.value);
+        }
+    }
+    text += fmt::format("  {} rays unattributed\n", attribution.record.unattributed);
+    if (const auto& worst = attribution.worst_unattributed) {
+        text += worst_text(worst->verdict.hit_class, *worst);
+    }
+    return text;
 }
 
 /// The records of one scene and one ray set.
@@ -135,13 +163,26 @@ struct CheckRun {
     PictureSet pictures;
     Results results;
     bool stopped = false;
+    std::string attributions = {};            ///< as text
+    std::vector<std::string> cast_only = {};  ///< scenes and tracers without an image to compare
 
     RayRequest ray_request() const {
         return {size.width, size.height, options.rays.camera, session.globals.seed};
     }
 
-    void check_hits_of(const Court& court, const Case& subject, Tracer& tracer) {
+    void attribute(const Court& court, const Case& subject, const SelectedStrategy& strategy,
+                   HitComparison& comparison) {
+        const auto suspects = suspects_of(*strategy.entry, court.open.scene, strategy.params);
+        const Attribution attribution =
+            attribute_errors(comparison.wrong, subject.rays.query, *court.judge, suspects);
+        comparison.record.attribution = attribution.record;
+        attributions += attribution_text(comparison.record, attribution);
+    }
+
+    void check_hits_of(const Court& court, const Case& subject, const SelectedStrategy& strategy,
+                       Tracer& tracer) {
         HitComparison comparison = check_tracer(court, subject, tracer, hit_options);
+        if (options.attribute) attribute(court, subject, strategy, comparison);
         const RaySet& rays = subject.rays;
         if (!rays.pixels.empty()) {
             comparison.record.picture = pictures.add(
@@ -176,9 +217,24 @@ struct CheckRun {
         results.images.push_back(std::move(record));
     }
 
-    void check_scene(const std::string& name, const Progress& progress) {
-        // The truth, once.
+    /// All frames of a scene that moves, each as a scene of its own.
+    void check_frames(const std::string& name, const Progress& progress) {
+        const FrameRange range = parse_frames(options.frames);
+        const auto count = static_cast<double>(range.count());
+        for (uint64_t k = 0; k < range.count() && !stopped; ++k) {
+            const double begin = static_cast<double>(k) / count;
+            check_scene(name, range.first + static_cast<uint32_t>(k),
+                        [&](double done) { return go_on(progress, begin + done / count); });
+        }
+    }
+
+    void check_scene(const std::string& name, std::optional<uint32_t> frame,
+                     const Progress& progress) {
+        // The truth, once. Tracers are made at rest, and moved to the frame.
         Court court = open_court(session, name);
+        const ScenePtr at_rest = court.open.scene;
+        const std::vector<Affine> transforms =
+            frame ? move_to_frame(court, *frame, options.fps) : std::vector<Affine>();
         results.manifest.judge = court.judge->name();
         results.scenes.push_back(court.open.record);
         std::vector<Case> cases;
@@ -194,11 +250,15 @@ struct CheckRun {
         // Every strategy.
         for (size_t s = 0; s < selected.size() && !stopped; ++s) {
             const auto& [entry, params] = selected[s];
-            const std::unique_ptr<Tracer> tracer = entry->make(court.open.scene, params);
-            results.tracers.push_back(make_tracer_record(name, *tracer, entry->info, params));
-            for (const Case& subject : cases) check_hits_of(court, subject, *tracer);
+            const std::unique_ptr<Tracer> tracer = entry->make(at_rest, params);
+            if (frame) tracer->update(transforms);
+            results.tracers.push_back(
+                make_tracer_record(court.open.name, *tracer, entry->info, params));
+            for (const Case& subject : cases) check_hits_of(court, subject, selected[s], *tracer);
             if (options.image && tracer->capabilities().render) {
                 check_image_of(court, truth, *tracer);
+            } else if (options.image) {
+                cast_only.push_back(fmt::format("{}, {}", court.open.name, tracer->name()));
             }
             const double done = static_cast<double>(s + 1) / static_cast<double>(selected.size());
             stopped = !go_on(progress, done);
@@ -221,7 +281,10 @@ struct CheckRun {
                 if (image.scene == scene.name) fmt::print(out, "{}", image_line(image));
             }
         }
-        fmt::print(out, "judge: {}\n", results.manifest.judge);
+        for (const std::string& what : cast_only) {
+            fmt::print(out, "{}: answers rays only, so there is no image to compare\n", what);
+        }
+        fmt::print(out, "{}judge: {}\n", attributions, results.manifest.judge);
         if (!results.images.empty()) {
             fmt::print(out, "image bound: {}\n", results.images.front().reason);
         }
@@ -254,7 +317,12 @@ void run(Session& session, const CheckCommand& options) {
         const double scenes = static_cast<double>(options.scenes.size());
         for (size_t i = 0; i < options.scenes.size() && !check.stopped; ++i) {
             const double begin = static_cast<double>(i) / scenes;
-            check.check_scene(options.scenes[i], bar.part(begin, begin + 1.0 / scenes));
+            const Progress part = bar.part(begin, begin + 1.0 / scenes);
+            if (options.frames.empty()) {
+                check.check_scene(options.scenes[i], {}, part);
+            } else {
+                check.check_frames(options.scenes[i], part);
+            }
         }
     }
     check.print();
@@ -288,6 +356,19 @@ void add_check(CLI::App& app, Session& session) {
         ->capture_default_str();
     command->add_flag("--image,!--no-image", options->image,
                       "Also compares the rendered image with Embree's (default: yes)");
+    CLI::Option* frames =
+        command->add_option("--frames", options->frames,
+                            "Checks these frames of a moving scene, each as a scene of its own, "
+                            "instead of the scene at rest; see render --frames");
+    frames->type_name("A..B");
+    command->add_option("--fps", options->fps, "Frames a second")
+        ->check(CLI::PositiveNumber)
+        ->needs(frames)
+        ->capture_default_str();
+    command->add_flag(
+        "--attribute", options->attribute,
+        "Also casts the wrong rays again with each deviation of the strategy switched "
+        "off, and counts them by the first that each disappears without");
     command->add_option("--json", options->json, "Writes the results; '-' is standard output")
         ->type_name("FILE");
     command

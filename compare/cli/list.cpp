@@ -33,21 +33,23 @@ void list_strategies(const Session& session) {
     }
 }
 
+/// Counts are those of the scenes themselves, made or read for it.
 void list_scenes() {
     std::vector<std::vector<std::string>> rows = {
-        {"scene", "triangles", "instances", "lights", "what it is"}};
+        {"scene", "triangles", "instances", "lights", "what it is", "from"}};
     for (const SceneInfo& info : builtin_scenes()) {
-        try {
-            const Scene scene = load_scene(info.name).scene;
-            rows.push_back({info.name, std::to_string(instanced_triangle_count(scene)),
-                            std::to_string(scene.instances.size()),
-                            std::to_string(scene.lights.size()), info.summary});
-        } catch (const Error& error) {
-            rows.push_back({info.name, "-", "-", "-",
-                            fmt::format("{} Not here: {}", info.summary, error.parts().remedy)});
+        const std::string fetch = how_to_fetch(info.name);
+        if (!fetch.empty()) {
+            rows.push_back({info.name, "not fetched", "-", "-", info.summary,
+                            fmt::format("{}; `{}` fetches it", info.source, fetch)});
+            continue;
         }
+        const Scene scene = load_scene(info.name).scene;
+        rows.push_back({info.name, std::to_string(instanced_triangle_count(scene)),
+                        std::to_string(scene.instances.size()), std::to_string(scene.lights.size()),
+                        info.summary, info.source});
     }
-    fmt::print("{}", format_list(rows, ""));
+    fmt::print("{}\n{}\n", format_list(rows, ""), kStandInNote);
 }
 
 void list_devices() {

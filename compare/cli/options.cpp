@@ -70,7 +70,8 @@ void add_strategy_options(CLI::App& command, StrategyOptions& options) {
 std::vector<const CatalogueEntry*> default_strategies(const Catalogue& catalogue) {
     std::vector<const CatalogueEntry*> selected;
     for (const CatalogueEntry& entry : catalogue.entries()) {
-        if (!entry.info.is_oracle && !entry.info.is_twin) selected.push_back(&entry);
+        const TracerInfo& info = entry.info;
+        if (info.by_default && !info.is_oracle && !info.is_twin) selected.push_back(&entry);
     }
     return selected.empty() ? catalogue.select("embree/fast") : selected;
 }

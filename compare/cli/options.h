@@ -43,7 +43,8 @@ struct SelectedStrategy {
 std::vector<SelectedStrategy> select_strategies(const Catalogue& catalogue,
                                                 const StrategyOptions& options);
 
-/// All strategies that are neither Embree nor a shader's twin; without any, Embree's fast mode.
+/// All strategies that are neither Embree nor a shader's twin, and are not for named use only
+/// (TracerInfo::by_default); without any, Embree's fast mode.
 std::vector<const CatalogueEntry*> default_strategies(const Catalogue& catalogue);
 
 /// --rays, --size and --camera.

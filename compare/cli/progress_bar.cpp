@@ -36,6 +36,10 @@ Progress ProgressBar::part(double begin, double end) {
     };
 }
 
+void ProgressBar::say(const std::string& line) {
+    fmt::print(stderr, "{}onepass: {}\n", on_terminal_ ? "\r\033[K" : "", line);
+}
+
 void ProgressBar::show(double done) {
     const auto now = steady_clock::now();
     if (!on_terminal_ || now - shown_ < kRedrawEvery) return;

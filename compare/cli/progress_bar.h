@@ -20,6 +20,9 @@ class ProgressBar {
     /// A callback for the part [begin, end] of the whole; false once Ctrl-C was pressed.
     Progress part(double begin, double end);
 
+    /// A line on stderr, terminal or not, that the bar does not overwrite.
+    void say(const std::string& line);
+
   private:
     void show(double done);
 

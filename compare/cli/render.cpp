@@ -1,4 +1,7 @@
-// onepass render: one scene, one strategy, one image, with AOVs if asked.
+// onepass render: one scene, one strategy, one image, with AOVs if asked; or the frames of its
+// animation (render_frames.cpp).
+#include "compare/cli/render.h"
+
 #include <memory>
 
 #include <fmt/format.h>
@@ -14,24 +17,6 @@ namespace onepass::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct RenderCommand {
-    std::string scene;
-    std::string strategy;
-    std::vector<std::string> params;
-    std::string size = "512x512";
-    std::string output;
-    std::vector<std::string> aovs;
-    uint32_t camera = 0;
-    uint32_t depth = RenderSettings{}.max_depth;
-    bool no_shadows = false;
-};
-
-fs::path output_path(const RenderCommand& options) {
-    if (!options.output.empty()) return options.output;
-    const std::string stem = fs::path(options.scene).stem().string();
-    return file_name_part(stem) + (image_files_supported() ? ".png" : ".npy");
-}
 
 /// Everything that can be wrong with the output is found before anything is computed.
 void check_output(const fs::path& path, const std::vector<std::string>& aovs) {
@@ -62,6 +47,15 @@ void refuse_counters(const std::string& strategy, const std::vector<std::string>
     }
 }
 
+}  // namespace
+
+std::string output_path(const RenderCommand& options) {
+    if (!options.output.empty()) return options.output;
+    const std::string stem = fs::path(options.scene).stem().string();
+    return file_name_part(stem) + (options.frames.empty() ? "" : ".%04d") +
+           (image_files_supported() ? ".png" : ".npy");
+}
+
 void write_frame(const fs::path& path, const Frame& frame, const std::vector<std::string>& aovs) {
     if (path.extension() == ".png") {
         write_png(path, tone_mapped(frame));
@@ -72,41 +66,56 @@ void write_frame(const fs::path& path, const Frame& frame, const std::vector<std
     }
 }
 
-void run(Session& session, const RenderCommand& options) {
-    // Read the options.
+size_t exhausted_pixels(const Frame& frame) {
+    size_t exhausted = 0;
+    for (const uint32_t flags : frame.flags) exhausted += (flags & kFlagExhausted) != 0;
+    return exhausted;
+}
+
+Stage set_up(Session& session, const RenderCommand& options, const fs::path& output) {
+    Stage stage;
     StrategyOptions strategy{{}, options.params};
     if (!options.strategy.empty()) strategy.patterns = {options.strategy};
-    SelectedStrategy selected = select_strategies(session.catalogue, strategy).front();
+    stage.strategy = select_strategies(session.catalogue, strategy).front();
     const ImageSize size = parse_size(options.size);
-    const std::vector<std::string> aovs =
-        options.aovs.empty() ? std::vector<std::string>{"color"} : options.aovs;
-    const fs::path path = output_path(options);
-    check_output(path, aovs);
+    stage.aovs = options.aovs.empty() ? std::vector<std::string>{"color"} : options.aovs;
+    check_output(output, stage.aovs);
 
-    // Load.
-    const OpenScene open = open_scene(options.scene);
-    const Scene& scene = *open.scene;
+    stage.open = open_scene(options.scene);
+    const Scene& scene = *stage.open.scene;
     if (options.camera >= scene.cameras.size()) {
         throw Error({"--camera", std::to_string(options.camera),
                      fmt::format("0 to {}", scene.cameras.size() - 1), "Choose another."});
     }
-
-    // Render.
-    const std::unique_ptr<Tracer> tracer = selected.entry->make(open.scene, selected.params);
-    if (!tracer->capabilities().render) {
-        throw Error({selected.entry->info.name, "a strategy that only casts rays",
-                     "one that renders images", "Choose another with -s."});
+    if (!options.frames.empty() && scene.animation.empty()) {
+        throw Error({"--frames", fmt::format("'{}', in which nothing moves", options.scene),
+                     "a scene with an animation",
+                     "Leave --frames out, or choose another scene, for instance balls-1."});
     }
-    if (!tracer->capabilities().counters) refuse_counters(selected.entry->info.name, aovs);
+    stage.camera = scene.cameras[options.camera];
     // Always with AOVs: they carry the flags, and an exhausted loop must be said.
-    const RenderSettings settings{size.width, size.height, options.depth, !options.no_shadows,
-                                  true};
-    const Frame frame = tracer->render(scene.cameras[options.camera], settings);
-    write_frame(path, frame, aovs);
+    stage.settings = {size.width, size.height, options.depth, !options.no_shadows, true};
 
-    // Say what was done.
-    size_t exhausted = 0;
-    for (const uint32_t flags : frame.flags) exhausted += (flags & kFlagExhausted) != 0;
+    const std::string& name = stage.strategy.entry->info.name;
+    stage.tracer = stage.strategy.entry->make(stage.open.scene, stage.strategy.params);
+    if (!stage.tracer->capabilities().render) {
+        throw Error({name, "a strategy that only casts rays", "one that renders images",
+                     "Choose another with -s."});
+    }
+    if (!stage.tracer->capabilities().counters) refuse_counters(name, stage.aovs);
+    return stage;
+}
+
+namespace {
+
+void render_still(Session& session, const RenderCommand& options) {
+    const fs::path path = output_path(options);
+    const Stage stage = set_up(session, options, path);
+    const Tracer* tracer = stage.tracer.get();
+    const Frame frame = stage.tracer->render(stage.camera, stage.settings);
+    write_frame(path, frame, stage.aovs);
+
+    const size_t exhausted = exhausted_pixels(frame);
     fmt::print(stderr, "onepass: wrote {}: {} x {} pixels, {}, {:.1f} ms on {}\n", path.string(),
                frame.width, frame.height, tracer->name(), frame.wall_ms,
                tracer->capabilities().device);
@@ -115,10 +124,19 @@ void run(Session& session, const RenderCommand& options) {
     }
 }
 
+void run(Session& session, const RenderCommand& options) {
+    if (options.frames.empty()) {
+        render_still(session, options);
+    } else {
+        render_frames(session, options);
+    }
+}
+
 }  // namespace
 
 void add_render(CLI::App& app, Session& session) {
-    CLI::App* command = app.add_subcommand("render", "Renders one image of a scene");
+    CLI::App* command =
+        app.add_subcommand("render", "Renders one image of a scene, or frames of its animation");
     auto options = std::make_shared<RenderCommand>();
     std::string aov_help;
     for (const std::string& name : aov_names()) aov_help += (aov_help.empty() ? "" : ", ") + name;
@@ -137,7 +155,8 @@ void add_render(CLI::App& app, Session& session) {
     command
         ->add_option("-o,--output", options->output,
                      "File: .png (8-bit sRGB colour), .exr (32-bit, named channels) or .npy "
-                     "(structured array). Default: the scene's name with .png")
+                     "(structured array). Default: the scene's name with .png. With --frames a "
+                     "pattern: frame.%04d.png")
         ->type_name("FILE");
     command
         ->add_option(
@@ -153,6 +172,32 @@ void add_render(CLI::App& app, Session& session) {
                      "Mirror bounces after the primary ray; 0 turns reflections off")
         ->capture_default_str();
     command->add_flag("--no-shadows", options->no_shadows, "Casts no shadow rays");
+    CLI::Option* frames =
+        command
+            ->add_option(
+                "--frames", options->frames,
+                "Frames of the animation, both included, into one file each; frame k is at "
+                "k / fps s, modulo the animation's duration")
+            ->type_name("A..B");
+    command->add_option("--fps", options->fps, "Frames a second")
+        ->check(CLI::PositiveNumber)
+        ->needs(frames)
+        ->capture_default_str();
+    command
+        ->add_flag(
+            "--check,!--no-check", options->check,
+            "Compares each frame with Embree's: exit code 1 if an image differs by more than "
+            "its bound; primary hits are classed beside (default: yes)")
+        ->needs(frames);
+    command
+        ->add_flag("--resume", options->resume,
+                   "Leaves frames alone whose file is there; they are not checked again")
+        ->needs(frames);
+    command
+        ->add_option("--json", options->json,
+                     "Writes times and comparisons of the frames; '-' is standard output")
+        ->type_name("FILE")
+        ->needs(frames);
     command->callback([&session, options] { run(session, *options); });
 }
 

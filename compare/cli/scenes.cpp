@@ -13,7 +13,15 @@ namespace {
 struct ExportCommand {
     std::string scene;
     std::string output;
+    bool unshared = false;
+    bool flat = false;
 };
+
+Scene form_asked_for(const Scene& scene, const ExportCommand& options) {
+    if (options.unshared) return unshared(scene);
+    if (options.flat) return flattened(scene);
+    return scene;
+}
 
 void run(const ExportCommand& options) {
     const std::filesystem::path path = options.output;
@@ -23,7 +31,7 @@ void run(const ExportCommand& options) {
                      fmt::format("extension '{}'", path.extension().string()), ".glb or .gltf",
                      "Change the name."});
     }
-    write_gltf(*open_scene(options.scene).scene, path);
+    write_gltf(form_asked_for(*open_scene(options.scene).scene, options), path);
     fmt::print(stderr, "onepass: wrote {}\n", path.string());
 }
 
@@ -39,6 +47,12 @@ void add_scenes(CLI::App& app, Session&) {
         ->add_option("-o,--output", options->output, "File: .glb, or .gltf with a .bin beside it")
         ->required()
         ->type_name("FILE");
+    auto* share = command->add_flag("--unshared", options->unshared,
+                                    "Gives each instance an object of its own");
+    command
+        ->add_flag("--flat", options->flat,
+                   "Makes one object in one instance of all, in world space; nothing moves")
+        ->excludes(share);
     command->callback([options] { run(*options); });
 }
 

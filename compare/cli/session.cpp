@@ -4,9 +4,11 @@
 
 #include <fmt/format.h>
 
+#include "compare/frames.h"
 #include "compare/manifest.h"
-#include "cpu_ref/exact_judge.h"
+#include "core/error.h"
 #include "cpu_ref/embree_tracer.h"
+#include "cpu_ref/exact_judge.h"
 #include "gpu_glsl/glsl_tracers.h"
 #include "scenes/scenes.h"
 
@@ -57,6 +59,22 @@ Court open_court(const Session& session, const std::string& name_or_path) {
     court.oracle = session.catalogue.at(kOracleName).make(court.open.scene, {});
     court.judge = make_exact_judge(court.open.scene);
     return court;
+}
+
+std::vector<Affine> move_to_frame(Court& court, uint32_t frame, double frames_per_s) {
+    const Scene& scene = *court.open.scene;
+    if (scene.animation.empty()) {
+        throw Error({"--frames", fmt::format("'{}', in which nothing moves", court.open.name),
+                     "a scene with an animation",
+                     "Leave --frames out, or choose another scene, for instance balls-1."});
+    }
+    const double time_s = frame_time(frame, frames_per_s, scene.animation.duration());
+    std::vector<Affine> transforms = instance_transforms(scene, time_s);
+    court.oracle->update(transforms);
+    court.open.scene = std::make_shared<const Scene>(scene_at(scene, time_s));
+    court.open.name = court.open.record.name = frame_name(court.open.name, frame);
+    court.judge = make_double_judge(court.open.scene);
+    return transforms;
 }
 
 Case open_case(Court& court, const std::string& kind_or_file, const RayRequest& request) {

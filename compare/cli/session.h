@@ -74,6 +74,11 @@ struct Court {
 };
 Court open_court(const Session& session, const std::string& name_or_path);
 
+/// Moves the court to a frame of its scene's animation: from then on its scene and its name are the
+/// frame's, its oracle is updated, and its judge is another. Returns the frame's transforms.
+/// Throws: Error for a scene in which nothing moves.
+std::vector<Affine> move_to_frame(Court& court, uint32_t frame, double frames_per_s);
+
 /// Rays with the oracle's answers.
 struct Case {
     RaySet rays;

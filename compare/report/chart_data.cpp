@@ -53,6 +53,35 @@ json sweep_json(const Sweep& sweep) {
             {"points", points}};
 }
 
+json claim_json(const ClaimRecord& claim, size_t run) {
+    json points = json::array();
+    for (const ClaimMeasurement& m : claim.measurements) {
+        const Support support = support_of(m);
+        points.push_back(
+            {{"scene", m.scene},
+             {"work", m.work},
+             {"quantity", m.quantity},
+             {"baseline", m.baseline},
+             {"variant", m.variant},
+             {"verdict", std::string(to_string(m.verdict))},
+             {"size", m.size},
+             {"ratio", number(m.failure.empty() ? m.ratio : NAN)},
+             {"times", {number(median(m.baseline_samples)), number(median(m.variant_samples))}},
+             {"support", number(support.value)},
+             {"low", number(support.low)},
+             {"high", number(support.high)}});
+    }
+    return {{"run", run}, {"entry", claim.entry}, {"id", claim.id}, {"points", points}};
+}
+
+json motion_json(const FrameTimingRecord& record) {
+    return {{"scene", record.scene},
+            {"tracer", record.tracer},
+            {"update", number(median(record.update_ms))},
+            {"upload", number(median(record.upload_ms))},
+            {"trace", number(record.median_ms)}};
+}
+
 /// Inside a script element "<" could end it or open a comment; as an escape it means the same.
 std::string script_safe(std::string text) {
     for (size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at)) {
@@ -70,7 +99,15 @@ std::string chart_data(const Dossier& dossier) {
     }
     json plots = json::array();
     for (const Sweep& sweep : sweeps(dossier)) plots.push_back(sweep_json(sweep));
-    const json data = {{"timings", timings}, {"sweeps", plots}};
+    json claims = json::array();
+    const std::vector<Results>& runs = *dossier.runs;
+    for (size_t r = 0; r < runs.size(); ++r) {
+        for (const ClaimRecord& claim : runs[r].claims) claims.push_back(claim_json(claim, r));
+    }
+    json motion = json::array();
+    for (const auto& record : animations(dossier)) motion.push_back(motion_json(*record.record));
+    const json data = {
+        {"timings", timings}, {"sweeps", plots}, {"claims", claims}, {"motion", motion}};
     // Text from files need not be UTF-8; a chart label shows a replacement character then.
     return script_safe(data.dump(-1, ' ', false, json::error_handler_t::replace));
 }

@@ -6,7 +6,7 @@
     const data = JSON.parse(document.getElementById("onepass-data").textContent);
     const kShapes = ["circle", "rect", "triangle", "rectRot", "star", "crossRot", "cross", "rectRounded"];
     const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-    const series = (i) => {
+    const colour = (i) => {
         const colours = css("--series").split(/\s+/);
         return colours[i % colours.length];
     };
@@ -17,9 +17,12 @@
 
     // A log axis labels 1, 2 and 5 of each decade; more would collide.
     const logTick = (value) => {
-        const digit = Math.round(value / 10 ** Math.floor(Math.log10(value) + 1e-9));
-        return [1, 2, 5].includes(digit) ? short(value) : null;
+        const lead = value / 10 ** Math.floor(Math.log10(value) + 1e-9);
+        return [1, 2, 5].some((digit) => Math.abs(lead - digit) < 1e-6) ? short(value) : null;
     };
+
+    // Decades alone, where many of them share a short axis.
+    const decadeTick = (value) => (Math.abs(Math.log10(value) % 1) < 1e-6 ? short(value) : null);
 
     // A log axis that ends a little beyond its data instead of at the next decade.
     const margins = (values, factor) => ({
@@ -108,7 +111,7 @@
                 datasets: [{
                     data: raced.map((t) => t.ratio),
                     interval: raced.map((t) => [t.low, t.high]),
-                    backgroundColor: raced.map((t) => series(tracers.indexOf(t.tracer))),
+                    backgroundColor: raced.map((t) => colour(tracers.indexOf(t.tracer))),
                     barPercentage: 0.72,
                     categoryPercentage: 0.9,
                 }],
@@ -140,8 +143,8 @@
                 radius: 6,
                 hoverRadius: 8,
                 borderWidth: 1.5,
-                backgroundColor: `${series(i)}99`,
-                borderColor: series(i),
+                backgroundColor: `${colour(i)}99`,
+                borderColor: colour(i),
             };
         });
         // The legend names colours by datasets, shapes by empty datasets of their own.
@@ -184,8 +187,8 @@
             data: study.points.filter((p) => p.curve === curve && p[measure] !== null)
                 .sort((a, b) => a.x - b.x)
                 .map((p) => ({ x: p.x, y: p[measure], errors: p.errors })),
-            borderColor: series(i),
-            backgroundColor: series(i),
+            borderColor: colour(i),
+            backgroundColor: colour(i),
             pointStyle: kShapes[i % kShapes.length],
             borderWidth: 2,
             radius: 3.5,
@@ -205,7 +208,127 @@
         return { type: "line", data: { datasets }, options };
     }
 
-    const makers = { ratios, scatter, sweep };
+    const claimsOf = (plot) => data.claims.filter((c) =>
+        c.run === Number(plot.dataset.run) && c.entry === plot.dataset.entry);
+
+    // One row a claim and quantity; the place says how far each measurement speaks for the claim.
+    function claims(plot) {
+        const kKinds = [
+            { verdict: "holds", label: "speaks for the claim", shape: "circle", colour: "--good" },
+            { verdict: "fails", label: "speaks against it", shape: "triangle", colour: "--bad" },
+            { verdict: "depends", label: "decides nothing", shape: "rectRot", colour: "--flag" },
+        ];
+        const rowOf = (c, p) => `${c.id}: ${p.quantity}`;
+        const points = claimsOf(plot).flatMap((c) => c.points
+            .filter((p) => p.support !== null && p.support > 0)
+            .map((p) => ({ ...p, x: p.support, y: rowOf(c, p) })));
+        const rows = distinct(points.map((p) => p.y));
+        plot.style.height = `${rows.length * 1.7 + 6}rem`;
+        const datasets = kKinds.map((kind) => {
+            const mine = points.filter((p) => p.verdict === kind.verdict);
+            return {
+                label: kind.label,
+                data: mine,
+                interval: mine.map((p) => [p.low, p.high]),
+                pointStyle: kind.shape,
+                radius: 6,
+                hoverRadius: 8,
+                borderWidth: 1.5,
+                borderColor: css(kind.colour),
+                backgroundColor: `${css(kind.colour)}66`,
+            };
+        });
+        const options = base({
+            x: axis("ratio over its bound, turned so that more speaks for the claim", {
+                type: "logarithmic",
+                ...margins(points.flatMap((p) => [p.low ?? p.x, p.high ?? p.x, 0.8, 1.25]), 1.2),
+                ticks: { callback: logTick, maxRotation: 0 },
+            }),
+            y: axis("", { type: "category", labels: rows, offset: true, ticks: { color: css("--ink"), autoSkip: false } }),
+        }, (item) => {
+            const p = item.raw;
+            return `${p.scene} ${p.work}, ${p.variant} / ${p.baseline}: ${short(p.ratio)}`;
+        });
+        options.plugins.legend = {
+            display: true,
+            position: "bottom",
+            labels: { color: css("--ink"), usePointStyle: true, boxHeight: 7, padding: 16 },
+            onClick: () => {},
+        };
+        return { type: "scatter", plugins: [whiskers, parity], data: { datasets }, options };
+    }
+
+    // Claims that run over a size: both times if every scene is a size of its own, else the ratio.
+    function series(plot) {
+        const claim = claimsOf(plot).find((c) => c.id === plot.dataset.claim);
+        const points = claim.points.filter((p) => p.size > 0 && p.ratio !== null)
+            .sort((a, b) => a.size - b.size);
+        const scenes = distinct(points.map((p) => p.scene));
+        const both = scenes.length === points.length;
+        const curves = both
+            ? [points[0].baseline, points[0].variant].map((label, i) =>
+                ({ label, data: points.map((p) => ({ x: p.size, y: p.times[i] })) }))
+            : scenes.map((scene) => ({
+                label: scene,
+                data: points.filter((p) => p.scene === scene).map((p) => ({ x: p.size, y: p.ratio })),
+            }));
+        const values = curves.flatMap((c) => c.data.map((p) => p.y));
+        const options = base({
+            x: axis(both ? "triangles" : "cells a triangle", { type: "logarithmic", ...margins(points.map((p) => p.size), 1.25), ticks: { callback: both ? decadeTick : logTick, maxRotation: 0 } }),
+            y: axis(both ? "ms" : "", both ? { type: "logarithmic", ...margins(values, 1.4), ticks: { callback: decadeTick } } : { suggestedMin: 0.8, suggestedMax: 1.2 }),
+        }, (item) => `${item.dataset.label}, ${short(item.raw.x)}: ${short(item.raw.y)}`);
+        options.plugins.legend = {
+            display: true,
+            position: "bottom",
+            labels: { color: css("--ink"), usePointStyle: true, boxHeight: 6, padding: 14 },
+        };
+        return {
+            type: "line",
+            data: {
+                datasets: curves.map((curve, i) => ({
+                    ...curve,
+                    borderColor: colour(i),
+                    backgroundColor: colour(i),
+                    pointStyle: kShapes[i % kShapes.length],
+                    borderWidth: 2,
+                    radius: 3.5,
+                })),
+            },
+            options,
+        };
+    }
+
+    // Update and upload are to be seen beside a trace a thousand times as long: a logarithmic axis.
+    function motion(plot) {
+        const rows = data.motion;
+        const parts = ["update", "upload", "trace"];
+        plot.style.height = `${rows.length * 3.2 + 6}rem`;
+        const times = rows.flatMap((r) => parts.map((part) => r[part])).filter((t) => t > 0);
+        const options = base({
+            x: axis("ms", { type: "logarithmic", ...margins(times, 1.6), ticks: { callback: logTick, maxRotation: 0 } }),
+            y: axis("", { grid: { display: false }, ticks: { color: css("--ink"), autoSkip: false } }),
+        }, (item) => `${item.dataset.label}: ${short(item.raw)} ms`);
+        options.indexAxis = "y";
+        options.plugins.legend = {
+            display: true, position: "bottom", labels: { color: css("--ink"), boxHeight: 8, padding: 14 },
+        };
+        return {
+            type: "bar",
+            data: {
+                labels: rows.map((r) => `${r.scene} · ${r.tracer}`),
+                datasets: parts.map((part, i) => ({
+                    label: part,
+                    data: rows.map((r) => (r[part] > 0 ? r[part] : null)),
+                    backgroundColor: colour([1, 4, 0][i]),
+                    barPercentage: 0.9,
+                    categoryPercentage: 0.7,
+                })),
+            },
+            options,
+        };
+    }
+
+    const makers = { ratios, scatter, sweep, claims, series, motion };
     let charts = [];
     function draw() {
         charts.forEach((chart) => chart.destroy());

@@ -51,7 +51,13 @@ std::string palette_css() {
     return css;
 }
 
+std::string page_heading(const Dossier& dossier) {
+    return is_reproduction(dossier) ? "The paper, reproduced: what still holds"
+                                    : "Ray traversal, judged against Embree";
+}
+
 std::string page_title(const Dossier& dossier) {
+    if (is_reproduction(dossier)) return "Onepass: the paper, reproduced";
     std::string names;
     for (const SceneDossier& scene : dossier.scenes) {
         names += (names.empty() ? "" : ", ") + scene.name;
@@ -80,17 +86,22 @@ std::string render_report(const std::vector<Results>& runs,
 
     // The sections, and the way to them.
     const Dossier dossier = gather(runs, folders);
-    std::string body = summary_section(dossier);
-    std::string navigation = link("summary", "Summary");
-    for (const SceneDossier& scene : dossier.scenes) {
-        body += scene_section(dossier, scene);
-        navigation += link("scene-" + slug(scene.name), escape(scene.name));
-    }
+    std::string body, navigation;
     const auto add = [&](const std::string& id, const std::string& name, const std::string& html) {
         if (html.empty()) return;
         body += html;
         navigation += link(id, name);
     };
+    add("claims", "Claims", claims_section(dossier));
+    add("tables", "Tables", paper_tables_section(dossier));
+    add("figures", "Figures", figures_section(dossier));
+    add("motion", "Moving objects", motion_section(dossier));
+    add("streaming", "Streaming", streaming_section(dossier));
+    add("deviations", "Deviations", deviation_section(dossier));
+    add("summary", "Summary", summary_section(dossier));
+    for (const SceneDossier& scene : dossier.scenes) {
+        add("scene-" + slug(scene.name), escape(scene.name), scene_section(dossier, scene));
+    }
     add("speed", "Speed", speed_section(dossier));
     add("grid-size", "Grid size", sweep_section(dossier));
     add("structures", "Structures", structure_section(dossier));
@@ -98,6 +109,7 @@ std::string render_report(const std::vector<Results>& runs,
 
     // One file.
     std::string page = fill(kPageHtml, {{"title", escape(page_title(dossier))},
+                                        {"heading", page_heading(dossier)},
                                         {"subtitle", subtitle(runs)},
                                         {"navigation", navigation},
                                         {"body", body},

@@ -146,6 +146,10 @@ std::string image_block(const SceneDossier& scene, const Entry<ImageRecord>& ima
 
 std::string pictures(const Dossier& dossier, const SceneDossier& scene) {
     if (scene.images.empty()) return {};
+    if (is_reproduction(dossier)) {
+        return "<p class=\"note\">Its pictures are among the <a "
+               "href=\"#figures\">figures</a>.</p>\n";
+    }
     Gallery gallery(dossier);
     std::string html = "<h3>Pictures</h3>\n" + image_block(scene, scene.images.front(), gallery);
     for (size_t i = 1; i < scene.images.size(); ++i) {

@@ -9,6 +9,28 @@
 
 namespace onepass::report {
 
+/// Whether some run is a reproduction of the paper: it holds claims. The page then opens with them.
+bool is_reproduction(const Dossier& dossier);
+
+/// The paper's claims: a table with verdicts, a plot of all ratios, and the measurements.
+std::string claims_section(const Dossier& dossier);
+
+/// Tables 1 and 2 of the paper, ours beside them.
+std::string paper_tables_section(const Dossier& dossier);
+
+/// The paper's scenes by the tracer and by the oracle, and their difference. Throws: as
+/// render_report for a picture.
+std::string figures_section(const Dossier& dossier);
+
+/// Animated frames: update, upload and trace.
+std::string motion_section(const Dossier& dossier);
+
+/// Tracers that take several passes a frame: passes and bytes.
+std::string streaming_section(const Dossier& dossier);
+
+/// Where the tracers depart from the paper's text, and the wrong rays that each place costs.
+std::string deviation_section(const Dossier& dossier);
+
 /// What was compared, on what, and one sentence of verdict a scene.
 std::string summary_section(const Dossier& dossier);
 
@@ -39,6 +61,22 @@ struct Sweep {
     std::vector<SweepPoint> points;
 };
 std::vector<Sweep> sweeps(const Dossier& dossier);
+
+/// The frames of an animation, by scene and tracer, in file order.
+std::vector<Entry<FrameTimingRecord>> animations(const Dossier& dossier);
+
+/// "Holds", "Fails", "Depends" or "Not measured", told apart by shape and word as well as by
+/// colour.
+std::string badge(ClaimVerdict verdict);
+
+/// How far the measurement lies on the claim's side of its bound, and the ends of its interval as
+/// widened by the noise: above 1 it speaks for the claim. NaN for what has no ratio.
+struct Support {
+    double value = 0.0;
+    double low = 0.0;
+    double high = 0.0;
+};
+Support support_of(const ClaimMeasurement& measurement);
 
 /// "Pass" or "Fail", told apart by shape and word as well as by colour.
 std::string badge(bool passed);

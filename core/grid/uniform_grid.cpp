@@ -2,6 +2,7 @@
 #include "core/grid/uniform_grid.h"
 
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -66,6 +67,8 @@ UniformGrid build_grid(const Bounds& bounds, size_t primitive_count, const GridS
     return grid;
 }
 
+std::atomic<uint64_t> triangle_grid_count = 0;
+
 }  // namespace
 
 UniformGrid build_box_grid(std::span<const Bounds> boxes, const GridSizing& sizing) {
@@ -85,6 +88,7 @@ UniformGrid build_box_grid(std::span<const Bounds> boxes, const GridSizing& sizi
 UniformGrid build_triangle_grid(const Object& object, const GridSizing& sizing) {
     check_primitive_count(object.triangles.size(), fmt::format("object '{}'", object.name));
     check_positions(object);
+    ++triangle_grid_count;
 
     return build_grid(object_bounds(object), object.triangles.size(), sizing,
                       [&](const CellFrame& frame, uint32_t i, auto&& emit) {
@@ -96,5 +100,7 @@ UniformGrid build_triangle_grid(const Object& object, const GridSizing& sizing) 
                           for_each_overlapped_row(vertices, frame.dims, emit);
                       });
 }
+
+uint64_t triangle_grids_built() { return triangle_grid_count; }
 
 }  // namespace onepass

@@ -53,6 +53,10 @@ UniformGrid build_box_grid(std::span<const Bounds> boxes, const GridSizing& sizi
 /// Source: Adinetz & Berezin, section 3 (second-level subdivision); Akenine-Moller 2001.
 UniformGrid build_triangle_grid(const Object& object, const GridSizing& sizing);
 
+/// How many triangle grids this process has built so far, on all threads: "moving an instance
+/// rebuilds no object grid" is counted with it, not inferred.
+uint64_t triangle_grids_built();
+
 /// Cells are taken this much larger, in cells, when primitives are binned (facts: 0.001 cell).
 inline constexpr double kBinningPad = 1e-3;
 

@@ -11,7 +11,9 @@
 namespace onepass {
 
 /// Reads .gltf and .glb through tinygltf. Node trees are flattened: one instance for every node
-/// with a mesh, its transform composed in double and rounded once.
+/// with a mesh, its transform composed in double and rounded once. Nodes that the first animation
+/// moves become animated nodes, and carry the instances below them; what else an animation may move
+/// stands still, with a note.
 LoadedScene read_gltf(const std::filesystem::path& path);
 
 /// True if read_mesh_file knows the extension; ".gz" is looked through. `extension` is lower case.

@@ -1,6 +1,8 @@
 #include "core/io/gltf_accessor.h"
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -114,21 +116,93 @@ std::vector<unsigned char> accessor_bytes(const tinygltf::Model& model,
     return bytes;
 }
 
+[[noreturn]] void throw_type(const tinygltf::Accessor& accessor, const std::string& expected,
+                             const std::string& where) {
+    throw_broken(where,
+                 fmt::format("type {}, component type {}", accessor.type, accessor.componentType),
+                 expected);
+}
+
+/// All floats of an accessor, element by element.
+std::vector<float> read_floats(const tinygltf::Model& model, const tinygltf::Accessor& accessor,
+                               int type, size_t components, const std::string& where) {
+    if (accessor.type != type || accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
+        constexpr const char* kNumbers[] = {"", "one 32 bit float", "two 32 bit floats",
+                                            "three 32 bit floats", "four 32 bit floats"};
+        throw_type(accessor, fmt::format("{} an element", kNumbers[components]), where);
+    }
+    const std::vector<unsigned char> bytes =
+        accessor_bytes(model, accessor, components * sizeof(float), where);
+    std::vector<float> floats(accessor.count * components);
+    if (!floats.empty()) std::memcpy(floats.data(), bytes.data(), bytes.size());
+    return floats;
+}
+
+template <class Integer>
+std::vector<float> normalized(const std::vector<unsigned char>& bytes) {
+    std::vector<float> floats(bytes.size() / sizeof(Integer));
+    for (size_t i = 0; i < floats.size(); ++i) {
+        Integer value;
+        std::memcpy(&value, bytes.data() + i * sizeof(value), sizeof(value));
+        constexpr float kLargest = std::numeric_limits<Integer>::max();
+        floats[i] = std::max(static_cast<float>(value) / kLargest, -1.0f);
+    }
+    return floats;
+}
+
+/// All normalized integers of an accessor, as floats from -1 or 0 to 1.
+std::vector<float> read_normalized(const tinygltf::Model& model, const tinygltf::Accessor& accessor,
+                                   int type, size_t components, const std::string& where) {
+    const auto read = [&]<class Integer>(Integer) {
+        return normalized<Integer>(
+            accessor_bytes(model, accessor, components * sizeof(Integer), where));
+    };
+    if (accessor.type == type && accessor.normalized) {
+        switch (accessor.componentType) {
+            case TINYGLTF_COMPONENT_TYPE_BYTE:
+                return read(int8_t{});
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+                return read(uint8_t{});
+            case TINYGLTF_COMPONENT_TYPE_SHORT:
+                return read(int16_t{});
+            case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+                return read(uint16_t{});
+            default:
+                break;
+        }
+    }
+    throw_type(accessor, "32 bit floats, or normalized integers of 8 or 16 bits", where);
+}
+
 }  // namespace
+
+std::vector<float> read_scalar_accessor(const tinygltf::Model& model, int accessor,
+                                        const std::string& where) {
+    const tinygltf::Accessor& a = item(model.accessors, accessor, "accessor", where);
+    return read_floats(model, a, TINYGLTF_TYPE_SCALAR, 1, where);
+}
 
 std::vector<vec3> read_vec3_accessor(const tinygltf::Model& model, int accessor,
                                      const std::string& where) {
     const tinygltf::Accessor& a = item(model.accessors, accessor, "accessor", where);
-    if (a.type != TINYGLTF_TYPE_VEC3 || a.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT) {
-        throw_broken(where, fmt::format("type {}, component type {}", a.type, a.componentType),
-                     "three 32 bit floats an element");
-    }
-    const std::vector<unsigned char> bytes = accessor_bytes(model, a, sizeof(vec3), where);
+    const std::vector<float> floats = read_floats(model, a, TINYGLTF_TYPE_VEC3, 3, where);
     std::vector<vec3> vectors(a.count);
     for (size_t i = 0; i < vectors.size(); ++i) {
-        float xyz[3];
-        std::memcpy(xyz, bytes.data() + i * sizeof(xyz), sizeof(xyz));
-        vectors[i] = vec3(xyz[0], xyz[1], xyz[2]);
+        vectors[i] = vec3(floats[3 * i], floats[3 * i + 1], floats[3 * i + 2]);
+    }
+    return vectors;
+}
+
+std::vector<vec4> read_rotation_accessor(const tinygltf::Model& model, int accessor,
+                                         const std::string& where) {
+    const tinygltf::Accessor& a = item(model.accessors, accessor, "accessor", where);
+    const bool is_float = a.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT;
+    const std::vector<float> floats = is_float
+                                          ? read_floats(model, a, TINYGLTF_TYPE_VEC4, 4, where)
+                                          : read_normalized(model, a, TINYGLTF_TYPE_VEC4, 4, where);
+    std::vector<vec4> vectors(a.count);
+    for (size_t i = 0; i < vectors.size(); ++i) {
+        vectors[i] = vec4(floats[4 * i], floats[4 * i + 1], floats[4 * i + 2], floats[4 * i + 3]);
     }
     return vectors;
 }

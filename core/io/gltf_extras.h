@@ -4,6 +4,9 @@
 //   scene:     { "onepass": { "version": 1, "background": [r, g, b], "ambient": [r, g, b] } }
 //   material:  { "onepass": { "specular": [r, g, b], "shininess": n } }
 //   primitive: { "onepass": { "name": "..." } }
+//   node:      { "onepass": { "node": i } }: animated node i of an animation
+//   node:      { "onepass": { "instance": i } }: instance i of an animated scene, and then
+//              "world_from_object": [12 numbers] where it is not quite where its node has it
 //
 // The scene's entry marks a file of ours: its numbers are then taken as they stand.
 #pragma once
@@ -13,6 +16,9 @@
 namespace onepass {
 
 inline constexpr const char* kExtrasKey = "onepass";
+inline constexpr const char* kNodePlaceKey = "node";
+inline constexpr const char* kInstancePlaceKey = "instance";
+inline constexpr const char* kRestTransformKey = "world_from_object";
 inline constexpr double kExtrasVersion = 1.0;
 
 }  // namespace onepass

@@ -1,7 +1,9 @@
 // The glTF 2.0 reader. tinygltf parses JSON and buffers; everything it hands over is checked here.
 //
 // A mesh of the file becomes an object, unless an earlier mesh uses the same accessors (that is how
-// the writer says "the same object, other materials"); a node with a mesh becomes an instance.
+// the writer says "the same object, other materials"); a node with a mesh becomes an instance; a
+// node that the first animation moves becomes an animated node, with what stands still up to the
+// next one above it as its base.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -36,6 +38,12 @@ struct PlacedLight {
     const tinygltf::Light* light = nullptr;
 };
 
+/// A part of the node tree that an animated node carries along.
+struct Carrier {
+    uint32_t node = kNoId;             ///< of Animation::nodes; kNoId: nothing moves
+    std::optional<DAffine> from_node;  ///< the parent's frame in the carrier's; none: the same
+};
+
 struct Importer {
     explicit Importer(const tinygltf::Model& source) : model(source) {}
 
@@ -45,10 +53,19 @@ struct Importer {
     std::vector<std::string> notes;
     std::vector<ImportedMesh> meshes;
     std::vector<PlacedLight> lights;
+    std::vector<bool> is_animated;  ///< one a node of the file
+    /// One a node of the file: its place in Animation::nodes, or kNoId.
+    std::vector<uint32_t> animated_nodes;
+    /// Those whose place at rest is to be computed.
+    std::vector<CarriedInstance> placed_by_carrier;
+    std::vector<uint32_t> stated_nodes;      ///< see stated_place; one an animated node
+    std::vector<uint32_t> stated_instances;  ///< likewise; one an instance
     std::optional<uint32_t> default_material;
     uint64_t dropped_primitives = 0;
     uint64_t morphed_primitives = 0;
     uint64_t orthographic_cameras = 0;
+    uint64_t still_cameras = 0;  ///< under an animated node
+    uint64_t still_lights = 0;
 };
 
 [[noreturn]] void throw_broken(const std::string& where, const std::string& got,
@@ -112,7 +129,9 @@ void check_required_extensions(const tinygltf::Model& model) {
     }
 }
 
-tinygltf::Model parse(const std::filesystem::path& path, bool binary) {
+/// What tinygltf leaves out of a file that it takes, it says as errors: those become notes.
+tinygltf::Model parse(const std::filesystem::path& path, bool binary,
+                      std::vector<std::string>& notes) {
     tinygltf::TinyGLTF parser;
     parser.SetImageLoader(ignore_image, nullptr);
     tinygltf::Model model;
@@ -125,6 +144,7 @@ tinygltf::Model parse(const std::filesystem::path& path, bool binary) {
         throw Error({"", "a file that tinygltf refuses: " + clean_text(error),
                      "a complete glTF 2.0 file", "Export it again, with all of its files."});
     }
+    if (!error.empty()) notes.push_back("tinygltf left something out: " + clean_text(error));
     return model;
 }
 
@@ -353,16 +373,6 @@ void check_length(const std::vector<double>& numbers, size_t length, const std::
     throw_broken(where, fmt::format("{} numbers", numbers.size()), fmt::format("{}", length));
 }
 
-/// The columns of a rotation by a quaternion (x, y, z, w), which need not be of unit length.
-glm::dmat3 rotation_matrix(const std::vector<double>& q) {
-    const double x = q[0], y = q[1], z = q[2], w = q[3];
-    const double norm = x * x + y * y + z * z + w * w;
-    const double s = norm > 0.0 ? 2.0 / norm : 0.0;
-    return glm::dmat3(dvec3(1 - s * (y * y + z * z), s * (x * y + z * w), s * (x * z - y * w)),
-                      dvec3(s * (x * y - z * w), 1 - s * (x * x + z * z), s * (y * z + x * w)),
-                      dvec3(s * (x * z + y * w), s * (y * z - x * w), 1 - s * (x * x + y * y)));
-}
-
 DAffine parent_from_node(const tinygltf::Node& node, const std::string& where) {
     check_length(node.matrix, 16, where + ", matrix");
     check_length(node.translation, 3, where + ", translation");
@@ -379,7 +389,10 @@ DAffine parent_from_node(const tinygltf::Node& node, const std::string& where) {
                        dvec3(m[12], m[13], m[14]));
     }
     glm::dmat3 linear(1.0);
-    if (!node.rotation.empty()) linear = rotation_matrix(node.rotation);
+    if (!node.rotation.empty()) {
+        const std::vector<double>& q = node.rotation;
+        linear = rotation_matrix(glm::dvec4(q[0], q[1], q[2], q[3]));
+    }
     for (int axis = 0; axis < 3 && !node.scale.empty(); ++axis) {
         linear[axis] *= node.scale[static_cast<size_t>(axis)];
     }
@@ -390,7 +403,11 @@ DAffine parent_from_node(const tinygltf::Node& node, const std::string& where) {
     return DAffine(linear[0], linear[1], linear[2], translation);
 }
 
-DAffine composed(const DAffine& a, const DAffine& b) {
+/// A map from a parent's frame, and one below it. Without the first, the second is taken as it
+/// stands: multiplying by 1 would turn -0 into 0.
+DAffine composed(const std::optional<DAffine>& parent, const DAffine& b) {
+    if (!parent) return b;
+    const DAffine& a = *parent;
     return DAffine(transform_vector(a, b[0]), transform_vector(a, b[1]), transform_vector(a, b[2]),
                    transform_point(a, b[3]));
 }
@@ -416,22 +433,84 @@ void read_camera(Importer& in, const tinygltf::Node& node, const DAffine& world_
     in.scene.cameras.push_back(camera);
 }
 
+/// The place that our writer states of an instance or an animated node; kNoId if it states none.
+uint32_t stated_place(const tinygltf::Node& node, const char* key) {
+    const tinygltf::Value* extras = our_extras(node.extras);
+    if (extras == nullptr || !extras->Get(key).IsInt()) return kNoId;
+    return static_cast<uint32_t>(extras->Get(key).GetNumberAsInt());
+}
+
+/// The node's place in Animation::nodes, whose parent is the carrier's.
+uint32_t add_animated_node(Importer& in, const tinygltf::Node& node, const Carrier& carrier,
+                           const std::string& where) {
+    if (!node.matrix.empty()) {
+        throw_broken(where, "an animation of a node with a matrix",
+                     "an animated node with translation, rotation and scale");
+    }
+    AnimatedNode animated;
+    animated.name = node.name;
+    animated.parent = carrier.node;
+    if (carrier.from_node) animated.parent_from_base = Affine(*carrier.from_node);
+    const auto number = [](const std::vector<double>& numbers, int i) {
+        return static_cast<float>(numbers[static_cast<size_t>(i)]);
+    };
+    for (int i = 0; i < 3; ++i) {
+        if (!node.translation.empty()) animated.translation[i] = number(node.translation, i);
+        if (!node.scale.empty()) animated.scale[i] = number(node.scale, i);
+    }
+    for (int i = 0; i < 4 && !node.rotation.empty(); ++i) {
+        animated.rotation[i] = number(node.rotation, i);
+    }
+    in.scene.animation.nodes.push_back(std::move(animated));
+    in.stated_nodes.push_back(stated_place(node, kNodePlaceKey));
+    return static_cast<uint32_t>(in.scene.animation.nodes.size()) - 1;
+}
+
+/// Notes that the instance is carried. Where it stands at rest is known once all nodes are read,
+/// unless our writer says it, because it differs by a rounding.
+void add_carried(Importer& in, const tinygltf::Node& node, uint32_t instance,
+                 const Carrier& carrier, const std::string& where) {
+    CarriedInstance carried{.instance = instance, .node = carrier.node};
+    if (carrier.from_node) carried.node_from_object = Affine(*carrier.from_node);
+    in.scene.animation.carried.push_back(carried);
+
+    const tinygltf::Value* extras = our_extras(node.extras);
+    if (extras == nullptr || !extras->Has(kRestTransformKey)) {
+        in.placed_by_carrier.push_back(carried);
+        return;
+    }
+    const tinygltf::Value& numbers = extras->Get(kRestTransformKey);
+    const std::string numbers_label = where + ", " + kRestTransformKey;
+    if (numbers.ArrayLen() != 12) throw_broken(numbers_label, "something else", "12 numbers");
+    Affine& stated = in.scene.instances[instance].world_from_object;
+    for (int i = 0; i < 12; ++i) stated[i / 3][i % 3] = float_value(numbers.Get(i), numbers_label);
+}
+
+/// `world_from_node` is the node's at rest; `carrier` is what carries the node itself along.
 void read_node(Importer& in, const tinygltf::Node& node, const DAffine& world_from_node,
-               const std::string& where) {
+               const Carrier& carrier, const std::string& where) {
+    const bool is_carried = carrier.node != kNoId;
     if (node.mesh >= 0) {
         check_index(node.mesh, in.meshes.size(), where, "mesh");
         const ImportedMesh& mesh = in.meshes[static_cast<size_t>(node.mesh)];
         if (mesh.object) {
+            const auto instance = static_cast<uint32_t>(in.scene.instances.size());
             in.scene.instances.push_back(
                 {node.name, *mesh.object, Affine(world_from_node), mesh.materials});
+            in.stated_instances.push_back(stated_place(node, kInstancePlaceKey));
+            if (is_carried) add_carried(in, node, instance, carrier, where);
         }
     }
-    if (node.camera >= 0) read_camera(in, node, world_from_node, where);
+    if (node.camera >= 0) {
+        read_camera(in, node, world_from_node, where);
+        in.still_cameras += is_carried;
+    }
     if (const int light = light_index(node); light >= 0) {
         check_index(light, in.model.lights.size(), where, "light");
         const tinygltf::Light& source = in.model.lights[static_cast<size_t>(light)];
         in.lights.push_back(
             {source.name.empty() ? node.name : source.name, world_from_node, &source});
+        in.still_lights += is_carried;
     }
 }
 
@@ -464,11 +543,14 @@ std::vector<int> root_nodes(Importer& in) {
 void read_nodes(Importer& in) {
     struct Visit {
         int node;
-        std::optional<DAffine> world_from_parent;
+        std::optional<DAffine> world_from_parent;  ///< at rest
+        Carrier carrier;                           ///< of the parent's frame
     };
     std::vector<Visit> stack;
     const std::vector<int> roots = root_nodes(in);
-    for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, {}});
+    for (auto root = roots.rbegin(); root != roots.rend(); ++root) {
+        stack.push_back({*root, {}, {}});
+    }
 
     std::vector<bool> visited(in.model.nodes.size(), false);
     while (!stack.empty()) {
@@ -484,17 +566,161 @@ void read_nodes(Importer& in) {
         }
         visited[index] = true;
 
-        // A root's transform is taken as it stands: multiplying by 1 would turn -0 into 0.
         const DAffine local = parent_from_node(node, where);
-        const DAffine world =
-            visit.world_from_parent ? composed(*visit.world_from_parent, local) : local;
-        read_node(in, node, world, where);
+        const DAffine world = composed(visit.world_from_parent, local);
+        Carrier carrier{visit.carrier.node, composed(visit.carrier.from_node, local)};
+        if (in.is_animated[index]) {
+            carrier = {add_animated_node(in, node, visit.carrier, where), {}};
+            in.animated_nodes[index] = carrier.node;
+        }
+        read_node(in, node, world, carrier, where);
         for (auto child = node.children.rbegin(); child != node.children.rend(); ++child) {
-            stack.push_back({*child, world});
+            stack.push_back({*child, world, carrier});
         }
     }
     add_note(in, in.orthographic_cameras, "orthographic camera", "orthographic cameras",
              "left out");
+}
+
+// ---- Animation ----
+
+std::optional<AnimationChannel::Path> path_of(const std::string& name) {
+    if (name == "translation") return AnimationChannel::Path::translation;
+    if (name == "rotation") return AnimationChannel::Path::rotation;
+    if (name == "scale") return AnimationChannel::Path::scale;
+    return {};
+}
+
+AnimationChannel::Interpolation interpolation_of(const std::string& name,
+                                                 const std::string& where) {
+    if (name == "LINEAR") return AnimationChannel::Interpolation::linear;
+    if (name == "STEP") return AnimationChannel::Interpolation::step;
+    if (name == "CUBICSPLINE") return AnimationChannel::Interpolation::cubic_spline;
+    throw_broken(where, "the interpolation '" + clean_text(name) + "'",
+                 "LINEAR, STEP or CUBICSPLINE");
+}
+
+/// Finds which nodes move, before the tree is read: those that a channel of the first animation
+/// aims at, and those that our writer marks.
+void find_animated_nodes(Importer& in) {
+    const tinygltf::Model& model = in.model;
+    in.is_animated.assign(model.nodes.size(), false);
+    in.animated_nodes.assign(model.nodes.size(), kNoId);
+    if (model.animations.empty()) return;
+    for (const tinygltf::AnimationChannel& channel : model.animations[0].channels) {
+        if (!path_of(channel.target_path)) continue;
+        check_index(channel.target_node, model.nodes.size(),
+                    label("animation", 0, model.animations[0].name), "target node");
+        in.is_animated[static_cast<size_t>(channel.target_node)] = true;
+    }
+    for (size_t i = 0; i < model.nodes.size() && in.ours; ++i) {
+        if (stated_place(model.nodes[i], kNodePlaceKey) != kNoId) in.is_animated[i] = true;
+    }
+}
+
+AnimationChannel read_channel(const Importer& in, const tinygltf::Animation& animation,
+                              const tinygltf::AnimationChannel& source, const std::string& where) {
+    check_index(source.sampler, animation.samplers.size(), where, "sampler");
+    const tinygltf::AnimationSampler& sampler =
+        animation.samplers[static_cast<size_t>(source.sampler)];
+    AnimationChannel channel;
+    channel.node = in.animated_nodes[static_cast<size_t>(source.target_node)];
+    channel.path = *path_of(source.target_path);
+    channel.interpolation = interpolation_of(sampler.interpolation, where);
+    channel.times = read_scalar_accessor(in.model, sampler.input, where + ", input");
+    if (channel.path == AnimationChannel::Path::rotation) {
+        channel.values = read_rotation_accessor(in.model, sampler.output, where + ", output");
+        return channel;
+    }
+    for (const vec3& v : read_vec3_accessor(in.model, sampler.output, where + ", output")) {
+        channel.values.emplace_back(v, 0.0f);
+    }
+    return channel;
+}
+
+void read_channels(Importer& in) {
+    const tinygltf::Animation& animation = in.model.animations[0];
+    uint64_t morphs = 0, others = 0, outside = 0;
+    for (size_t c = 0; c < animation.channels.size(); ++c) {
+        const tinygltf::AnimationChannel& source = animation.channels[c];
+        if (!path_of(source.target_path)) {
+            ++(source.target_path == "weights" ? morphs : others);
+        } else if (in.animated_nodes[static_cast<size_t>(source.target_node)] == kNoId) {
+            ++outside;
+        } else {
+            const std::string where =
+                fmt::format("{}, channel {}", label("animation", 0, animation.name), c);
+            in.scene.animation.channels.push_back(read_channel(in, animation, source, where));
+        }
+    }
+    add_note(in, morphs, "animation channel", "animation channels", "of morph targets ignored");
+    add_note(in, others, "animation channel", "animation channels", "of other properties ignored");
+    add_note(in, outside, "animation channel", "animation channels",
+             "of nodes outside the scene ignored");
+}
+
+/// Brings items to the places that our writer stated. Foreign files state none, and keep the order
+/// of their tree.
+template <class T>
+void reorder(std::vector<T>& items, std::vector<uint32_t>& places, const char* kind) {
+    if (std::all_of(places.begin(), places.end(), [](uint32_t p) { return p == kNoId; })) {
+        for (size_t i = 0; i < places.size(); ++i) places[i] = static_cast<uint32_t>(i);
+        return;
+    }
+    std::vector<bool> taken(items.size(), false);
+    std::vector<T> ordered(items.size());
+    for (size_t i = 0; i < items.size(); ++i) {
+        if (places[i] >= items.size() || taken[places[i]]) {
+            throw_broken(
+                fmt::format("extras of {} {}", kind, i),
+                places[i] == kNoId ? std::string("no place") : fmt::format("place {}", places[i]),
+                fmt::format("another place below {} for each", items.size()));
+        }
+        taken[places[i]] = true;
+        ordered[places[i]] = std::move(items[i]);
+    }
+    items = std::move(ordered);
+}
+
+void read_animation(Importer& in) {
+    Animation& animation = in.scene.animation;
+    const std::vector<tinygltf::Animation>& sources = in.model.animations;
+    if (sources.empty()) return;
+
+    // Where carried instances stand at rest.
+    const std::vector<DAffine> nodes = rest_transforms(animation);
+    for (const CarriedInstance& carried : in.placed_by_carrier) {
+        in.scene.instances[carried.instance].world_from_object =
+            carried_transform(nodes[carried.node], carried.node_from_object);
+    }
+
+    // Our own order.
+    read_channels(in);
+    reorder(in.scene.instances, in.stated_instances, "instance");
+    reorder(animation.nodes, in.stated_nodes, "animated node");
+    for (AnimatedNode& node : animation.nodes) {
+        if (node.parent != kNoId) node.parent = in.stated_nodes[node.parent];
+    }
+    for (AnimationChannel& channel : animation.channels) {
+        channel.node = in.stated_nodes[channel.node];
+    }
+    for (CarriedInstance& carried : animation.carried) {
+        carried = {in.stated_instances[carried.instance], in.stated_nodes[carried.node],
+                   carried.node_from_object};
+    }
+    std::sort(
+        animation.carried.begin(), animation.carried.end(),
+        [](const CarriedInstance& a, const CarriedInstance& b) { return a.instance < b.instance; });
+
+    // What is left out.
+    animation.name = sources[0].name;
+    if (animation.channels.empty() || animation.carried.empty()) {
+        animation = {};
+        in.notes.push_back(label("animation", 0, sources[0].name) + " moves no mesh: ignored");
+    }
+    add_note(in, sources.size() - 1, "animation", "animations", "after the first ignored");
+    add_note(in, in.still_cameras, "camera", "cameras", "of moving nodes stand still here");
+    add_note(in, in.still_lights, "light", "lights", "of moving nodes stand still here");
 }
 
 // ---- Lights ----
@@ -581,15 +807,18 @@ bool read_scene_extras(const tinygltf::Model& model, Scene& scene) {
 }  // namespace
 
 LoadedScene read_gltf(const std::filesystem::path& path) {
-    const tinygltf::Model model = parse(path, scene_extension(path) == ".glb");
+    std::vector<std::string> notes;
+    const tinygltf::Model model = parse(path, scene_extension(path) == ".glb", notes);
     Importer in(model);
+    in.notes = std::move(notes);
     in.ours = read_scene_extras(model, in.scene);
     read_materials(in);
     read_meshes(in);
+    find_animated_nodes(in);
     read_nodes(in);
+    read_animation(in);
     read_lights(in);
     if (in.scene.materials.empty()) in.scene.materials.push_back(Material{});
-    add_note(in, model.animations.size(), "animation", "animations", "ignored");
     add_note(in, model.skins.size(), "skin", "skins", "ignored");
     return {std::move(in.scene), std::move(in.notes)};
 }

@@ -4,7 +4,8 @@
 // of one of those and differ in materials only, because glTF puts materials on primitives. Numbers
 // survive JSON because a float becomes a double exactly, and the shortest text of a double reads
 // back as that double. Sheared instances are written as `matrix` too, although glTF asks for
-// matrices that decompose into translation, rotation and scale.
+// matrices that decompose into translation, rotation and scale. In an animated scene nodes state
+// the places of their instances and animated nodes, because a tree has an order of its own.
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -49,7 +50,7 @@ std::vector<double> matrix_numbers(const Affine& m) {
 /// Appends the bytes as a new buffer view, whose index is returned.
 template <class T>
 int add_view(tinygltf::Model& model, const std::vector<T>& elements, int target) {
-    static_assert(sizeof(T) == 3 * sizeof(uint32_t));  // so views stay aligned to 4 bytes
+    static_assert(sizeof(T) % sizeof(uint32_t) == 0);  // so views stay aligned to 4 bytes
     std::vector<unsigned char>& data = model.buffers[0].data;
     tinygltf::BufferView view;
     view.buffer = 0;
@@ -115,15 +116,72 @@ void set_materials(tinygltf::Mesh& mesh, const std::vector<uint32_t>& materials)
 
 // ---- Nodes ----
 
-void add_node(tinygltf::Model& model, tinygltf::Node node) {
-    model.scenes[0].nodes.push_back(static_cast<int>(model.nodes.size()));
+constexpr int kRoot = -1;
+
+/// Puts a node below node `parent` of the file, or at the root, and returns its index.
+int add_node(tinygltf::Model& model, tinygltf::Node node, int parent = kRoot) {
+    const auto added = static_cast<int>(model.nodes.size());
     model.nodes.push_back(std::move(node));
+    std::vector<int>& siblings =
+        parent == kRoot ? model.scenes[0].nodes : model.nodes[static_cast<size_t>(parent)].children;
+    siblings.push_back(added);
+    return added;
 }
 
-void add_instances(tinygltf::Model& model, const Scene& scene) {
+bool same_bits(const Affine& a, const Affine& b) { return std::memcmp(&a, &b, sizeof(a)) == 0; }
+
+/// A node for each animated one, under one more for its base where that is not the identity.
+/// Returns their indices in the file.
+std::vector<int> add_animated_nodes(tinygltf::Model& model, const Animation& animation) {
+    std::vector<int> added;
+    for (size_t i = 0; i < animation.nodes.size(); ++i) {
+        const AnimatedNode& source = animation.nodes[i];
+        int parent = source.parent == kNoId ? kRoot : added[source.parent];
+        if (!same_bits(source.parent_from_base, affine_identity())) {
+            tinygltf::Node base;
+            base.matrix = matrix_numbers(source.parent_from_base);
+            parent = add_node(model, std::move(base), parent);
+        }
+        const vec4& q = source.rotation;
+        tinygltf::Node node;
+        node.name = source.name;
+        node.translation = numbers(source.translation);
+        node.rotation = {q.x, q.y, q.z, q.w};
+        node.scale = numbers(source.scale);
+        node.extras = our_extras({{kNodePlaceKey, Value(static_cast<int>(i))}});
+        added.push_back(add_node(model, std::move(node), parent));
+    }
+    return added;
+}
+
+/// Puts an instance's node under the animated node that carries it.
+void add_carried(tinygltf::Model& model, const CarriedInstance& carried, const DAffine& rest,
+                 const Instance& instance, int parent, tinygltf::Node node) {
+    Value::Object extras = {{kInstancePlaceKey, Value(static_cast<int>(carried.instance))}};
+    const Affine at_rest = carried_transform(rest, carried.node_from_object);
+    if (!same_bits(at_rest, instance.world_from_object)) {
+        Value::Array values;
+        for (int i = 0; i < 12; ++i) {
+            values.push_back(Value(double{instance.world_from_object[i / 3][i % 3]}));
+        }
+        extras[kRestTransformKey] = Value(std::move(values));
+    }
+    node.matrix.clear();
+    if (!same_bits(carried.node_from_object, affine_identity())) {
+        node.matrix = matrix_numbers(carried.node_from_object);
+    }
+    node.extras = our_extras(std::move(extras));
+    add_node(model, std::move(node), parent);
+}
+
+/// `animated`: where the animated nodes stand in the file.
+void add_instances(tinygltf::Model& model, const Scene& scene, const std::vector<int>& animated) {
     std::map<std::pair<uint32_t, std::vector<uint32_t>>, int> mesh_of;
     std::vector<bool> used(scene.objects.size(), false);
-    for (const Instance& instance : scene.instances) {
+    const std::vector<DAffine> rest = rest_transforms(scene.animation);
+    auto next_carried = scene.animation.carried.begin();
+    for (uint32_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
         // One mesh for each pair of object and materials; the object's own mesh for the first.
         const auto next = static_cast<int>(model.meshes.size());
         const auto [known, is_new] =
@@ -140,7 +198,16 @@ void add_instances(tinygltf::Model& model, const Scene& scene) {
         node.name = instance.name;
         node.mesh = known->second;
         node.matrix = matrix_numbers(instance.world_from_object);
-        add_node(model, std::move(node));
+        if (!scene.animation.empty()) {
+            node.extras = our_extras({{kInstancePlaceKey, Value(static_cast<int>(i))}});
+        }
+        if (next_carried != scene.animation.carried.end() && next_carried->instance == i) {
+            add_carried(model, *next_carried, rest[next_carried->node], instance,
+                        animated[next_carried->node], std::move(node));
+            ++next_carried;
+        } else {
+            add_node(model, std::move(node));
+        }
     }
 }
 
@@ -180,6 +247,56 @@ void add_camera(tinygltf::Model& model, const Camera& source) {
     add_node(model, std::move(node));
 }
 
+// ---- Animation ----
+
+int add_times(tinygltf::Model& model, const std::vector<float>& times) {
+    tinygltf::Accessor accessor;
+    accessor.bufferView = add_view(model, times, 0);
+    accessor.componentType = TINYGLTF_COMPONENT_TYPE_FLOAT;
+    accessor.type = TINYGLTF_TYPE_SCALAR;
+    accessor.count = times.size();
+    accessor.minValues = {times.front()};
+    accessor.maxValues = {times.back()};
+    return add_accessor(model, accessor);
+}
+
+int add_values(tinygltf::Model& model, const AnimationChannel& channel) {
+    const bool is_rotation = channel.path == AnimationChannel::Path::rotation;
+    std::vector<float> floats;
+    for (const vec4& v : channel.values) {
+        floats.insert(floats.end(), {v.x, v.y, v.z});
+        if (is_rotation) floats.push_back(v.w);
+    }
+    tinygltf::Accessor accessor;
+    accessor.bufferView = add_view(model, floats, 0);
+    accessor.componentType = TINYGLTF_COMPONENT_TYPE_FLOAT;
+    accessor.type = is_rotation ? TINYGLTF_TYPE_VEC4 : TINYGLTF_TYPE_VEC3;
+    accessor.count = channel.values.size();
+    return add_accessor(model, accessor);
+}
+
+void add_animation(tinygltf::Model& model, const Animation& source,
+                   const std::vector<int>& animated) {
+    constexpr const char* kPaths[] = {"translation", "rotation", "scale"};
+    constexpr const char* kInterpolations[] = {"STEP", "LINEAR", "CUBICSPLINE"};
+    tinygltf::Animation animation;
+    animation.name = source.name;
+    for (const AnimationChannel& channel : source.channels) {
+        tinygltf::AnimationSampler sampler;
+        sampler.input = add_times(model, channel.times);
+        sampler.output = add_values(model, channel);
+        sampler.interpolation = kInterpolations[static_cast<size_t>(channel.interpolation)];
+
+        tinygltf::AnimationChannel target;
+        target.sampler = static_cast<int>(animation.samplers.size());
+        target.target_node = animated[channel.node];
+        target.target_path = kPaths[static_cast<size_t>(channel.path)];
+        animation.samplers.push_back(std::move(sampler));
+        animation.channels.push_back(std::move(target));
+    }
+    model.animations.push_back(std::move(animation));
+}
+
 void add_material(tinygltf::Model& model, const Material& source) {
     const vec3& d = source.diffuse;
     tinygltf::Material material;
@@ -206,7 +323,9 @@ tinygltf::Model to_model(const Scene& scene) {
     model.buffers.resize(1);
     for (const Material& material : scene.materials) add_material(model, material);
     for (const Object& object : scene.objects) add_mesh(model, object);
-    add_instances(model, scene);
+    const std::vector<int> animated = add_animated_nodes(model, scene.animation);
+    add_instances(model, scene, animated);
+    if (!scene.animation.empty()) add_animation(model, scene.animation, animated);
     for (const PointLight& light : scene.lights) add_light(model, light);
     for (const Camera& camera : scene.cameras) add_camera(model, camera);
     return model;

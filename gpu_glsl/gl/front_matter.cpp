@@ -19,6 +19,8 @@ namespace {
 
 constexpr const char* kKeys[] = {"strategy", "summary", "source", "structure",
                                  "storage",  "entries", "gl",     "twin"};
+constexpr const char* kOptionalKeys[] = {"default"};
+constexpr const char* kListKeys[] = {"param", "deviation"};  ///< any number of lines each
 constexpr const char* kEntries[] = {"fragment", "compute"};
 
 /// One `//!` line.
@@ -62,10 +64,12 @@ Line parse_line(const std::string& place, std::string_view text) {
         fail(place, fmt::format("\"{}\"", trimmed(text)), "`//! key: value`");
     }
     Line line{place, trimmed(text.substr(0, colon)), trimmed(text.substr(colon + 1))};
-    const bool known = line.key == "param" || std::ranges::find(kKeys, line.key) != std::end(kKeys);
-    if (!known) {
+    std::vector<std::string> known(std::begin(kKeys), std::end(kKeys));
+    known.insert(known.end(), std::begin(kOptionalKeys), std::end(kOptionalKeys));
+    known.insert(known.end(), std::begin(kListKeys), std::end(kListKeys));
+    if (std::ranges::find(known, line.key) == known.end()) {
         fail(place, fmt::format("the key \"{}\"", line.key),
-             fmt::format("one of {}, param", fmt::join(kKeys, ", ")));
+             fmt::format("one of {}", fmt::join(known, ", ")));
     }
     if (line.value.empty()) fail(place, fmt::format("nothing after \"{}:\"", line.key), "a value");
     return line;
@@ -90,6 +94,21 @@ std::vector<Line> read_lines(const std::string& file, std::string_view text) {
     return lines;
 }
 
+/// Whether the parameter's type takes this value.
+bool allows(const ParamInfo& param, const std::string& value) {
+    switch (param.type) {
+        case ParamInfo::Type::real:
+            return is_number<double>(value);
+        case ParamInfo::Type::integer:
+            return is_number<long>(value);
+        case ParamInfo::Type::choice:
+            return std::ranges::find(param.choices, value) != param.choices.end();
+        case ParamInfo::Type::text:
+            return true;
+    }
+    return false;
+}
+
 /// NAME TYPE DEFAULT SUMMARY, with TYPE real, integer or choice(a,b,c).
 ParamInfo parse_param(const Line& line) {
     constexpr const char* kForm =
@@ -103,26 +122,52 @@ ParamInfo parse_param(const Line& line) {
     param.name = parts[0];
     param.default_value = value;
     param.summary = fmt::format("{}", fmt::join(parts.begin() + 3, parts.end(), " "));
-    bool valid = false;
     if (type == "real") {
         param.type = ParamInfo::Type::real;
-        valid = is_number<double>(value);
     } else if (type == "integer") {
         param.type = ParamInfo::Type::integer;
-        valid = is_number<long>(value);
     } else if (type.starts_with("choice(") && type.ends_with(")")) {
         param.type = ParamInfo::Type::choice;
         std::istringstream list(type.substr(7, type.size() - 8));
         for (std::string choice; std::getline(list, choice, ',');) param.choices.push_back(choice);
-        valid = std::ranges::find(param.choices, value) != param.choices.end();
     } else {
         fail(line.place, fmt::format("the type \"{}\"", type), kForm);
     }
-    if (!valid) {
+    if (!allows(param, value)) {
         fail(line.place, fmt::format("the default \"{}\"", value),
              fmt::format("a default that the type {} allows", type));
     }
     return param;
+}
+
+/// ID PARAM=VALUE SUMMARY, of a parameter that is declared.
+Deviation parse_deviation(const Line& line, const std::vector<ParamInfo>& params) {
+    const std::vector<std::string> parts = words(line.value);
+    const size_t equals = parts.size() < 3 ? std::string::npos : parts[1].find('=');
+    if (equals == std::string::npos) {
+        fail(line.place, fmt::format("\"{}\"", line.value), "ID PARAM=VALUE SUMMARY");
+    }
+    Deviation deviation;
+    deviation.id = parts[0];
+    deviation.param = parts[1].substr(0, equals);
+    deviation.value = parts[1].substr(equals + 1);
+    deviation.summary = fmt::format("{}", fmt::join(parts.begin() + 2, parts.end(), " "));
+
+    const auto param = std::ranges::find(params, deviation.param, &ParamInfo::name);
+    if (param == params.end()) {
+        fail(line.place, fmt::format("the parameter \"{}\"", deviation.param),
+             "a parameter with a line `//! param:` of its own");
+    }
+    if (!allows(*param, deviation.value)) {
+        fail(line.place, fmt::format("the value \"{}\"", deviation.value),
+             fmt::format("a value that the type of {} allows", deviation.param));
+    }
+    if (deviation.value == param->default_value) {
+        fail(line.place, fmt::format("the value \"{}\"", deviation.value),
+             fmt::format("another than the default of {}, which keeps the deviation",
+                         deviation.param));
+    }
+    return deviation;
 }
 
 /// "3.3" -> 330.
@@ -140,23 +185,32 @@ int parse_gl_version(const Line& line) {
 }  // namespace
 
 StrategyInfo parse_front_matter(const std::string& file, std::string_view text) {
-    // Sort the lines: parameters in order, every other key once.
+    // Sort the lines: parameters and deviations in order, every other key once.
     std::map<std::string, Line> by_key;
+    std::vector<Line> deviation_lines;
     StrategyInfo info;
     info.file = file;
     for (const Line& line : read_lines(file, text)) {
-        if (line.key != "param") {
-            if (!by_key.emplace(line.key, line).second) {
-                fail(line.place, fmt::format("a second \"{}:\"", line.key), "each key once");
+        if (line.key == "param") {
+            ParamInfo param = parse_param(line);
+            if (std::ranges::count(info.params, param.name, &ParamInfo::name) > 0) {
+                fail(line.place, fmt::format("a second parameter \"{}\"", param.name),
+                     "each parameter once");
             }
-            continue;
+            info.params.push_back(std::move(param));
+        } else if (line.key == "deviation") {
+            deviation_lines.push_back(line);
+        } else if (!by_key.emplace(line.key, line).second) {
+            fail(line.place, fmt::format("a second \"{}:\"", line.key), "each key once");
         }
-        ParamInfo param = parse_param(line);
-        if (std::ranges::count(info.params, param.name, &ParamInfo::name) > 0) {
-            fail(line.place, fmt::format("a second parameter \"{}\"", param.name),
-                 "each parameter once");
+    }
+    for (const Line& line : deviation_lines) {
+        Deviation deviation = parse_deviation(line, info.params);
+        if (std::ranges::count(info.deviations, deviation.id, &Deviation::id) > 0) {
+            fail(line.place, fmt::format("a second deviation \"{}\"", deviation.id),
+                 "each deviation once, with one switch");
         }
-        info.params.push_back(std::move(param));
+        info.deviations.push_back(std::move(deviation));
     }
     for (const char* key : kKeys) {
         if (!by_key.contains(key)) {
@@ -196,6 +250,15 @@ StrategyInfo parse_front_matter(const std::string& file, std::string_view text) 
             fail(by_key["twin"].place, fmt::format("\"{}\"", twin), "`yes` or `none REASON`");
         }
         info.no_twin_reason = trimmed(std::string_view(twin).substr(5));
+    }
+
+    // Whether a command takes it without being told.
+    if (by_key.contains("default")) {
+        const std::string& by_default = by_key["default"].value;
+        if (by_default != "yes" && by_default != "no") {
+            fail(by_key["default"].place, fmt::format("\"{}\"", by_default), "`yes` or `no`");
+        }
+        info.by_default = by_default == "yes";
     }
     return info;
 }

@@ -218,6 +218,33 @@ Texture texture_3d(std::string name, TexelFormat format, const glm::uvec3& size,
     return texture;
 }
 
+void update_region(const Texture& texture, const glm::uvec3& corner, const glm::uvec3& size,
+                   const Texels& texels) {
+    // Check.
+    const FormatInfo info = format_info(texture.format());
+    for (int axis = 0; axis < 3; ++axis) {
+        ONEPASS_CHECK_LE(uint64_t{corner[axis]} + size[axis], uint64_t{texture.size()[axis]});
+    }
+    ONEPASS_CHECK(texels.scalar_type != 0);
+    check_texels(info, size, texels);
+
+    // Upload.
+    const glm::ivec3 at(corner);
+    const glm::ivec3 box(size);
+    glActiveTexture(kEditUnit);
+    glBindTexture(texture.target(), texture.id());
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+    if (texture.target() == GL_TEXTURE_3D) {
+        glTexSubImage3D(GL_TEXTURE_3D, 0, at.x, at.y, at.z, box.x, box.y, box.z, info.pixel_format,
+                        texels.scalar_type, texels.data);
+    } else {
+        ONEPASS_CHECK(texture.target() == GL_TEXTURE_2D);
+        glTexSubImage2D(GL_TEXTURE_2D, 0, at.x, at.y, box.x, box.y, info.pixel_format,
+                        texels.scalar_type, texels.data);
+    }
+    check_gl(fmt::format("updating texture '{}'", texture.name()));
+}
+
 Texture texture_buffer(std::string name, TexelFormat format, const Texels& texels) {
     // Check. The data goes into a plain buffer, which converts nothing.
     const FormatInfo info = format_info(format);
@@ -262,6 +289,13 @@ Buffer::Buffer(std::string name, size_t bytes, const void* data)
     check_limit(what, bytes, "bytes", most, "GL_MAX_SHADER_STORAGE_BLOCK_SIZE");
     id_ = bytes == 0 ? make_buffer(kLeastBytes, nullptr) : make_buffer(bytes, data);
     check_gl(fmt::format("uploading {} ({} bytes)", what, bytes));
+}
+
+void Buffer::write_bytes(const void* data, size_t bytes) const {
+    ONEPASS_CHECK(bytes <= bytes_);
+    glBindBuffer(GL_COPY_WRITE_BUFFER, id());
+    glBufferSubData(GL_COPY_WRITE_BUFFER, 0, static_cast<GLsizeiptr>(bytes), data);
+    check_gl(fmt::format("writing storage buffer '{}'", name_));
 }
 
 void Buffer::read_bytes(void* data, size_t bytes) const {

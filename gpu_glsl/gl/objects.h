@@ -127,6 +127,11 @@ Texture texture_2d(std::string name, TexelFormat format, uint32_t width, uint32_
 Texture texture_3d(std::string name, TexelFormat format, const glm::uvec3& size,
                    const Texels& texels = {});
 
+/// Replaces the texels of a box of a 2D or 3D texture; the data must fill the box exactly, in the
+/// layout of a texture of its size. Cost: that of the box.
+void update_region(const Texture& texture, const glm::uvec3& corner, const glm::uvec3& size,
+                   const Texels& texels);
+
 /// A buffer texture (`samplerBuffer`), as long as its data. 32-bit formats are what GLSL needs.
 /// Throws: Error as texture_2d.
 Texture texture_buffer(std::string name, TexelFormat format, const Texels& texels);
@@ -157,12 +162,20 @@ class Buffer {
         return values;
     }
 
+    /// Overwrites the first bytes. The data must fit.
+    template <std::ranges::contiguous_range Range>
+    void write(const Range& range) const {
+        const auto bytes = std::as_bytes(std::span(range));
+        write_bytes(bytes.data(), bytes.size());
+    }
+
     GLuint id() const { return id_.id(); }
     size_t bytes() const { return bytes_; }
     const std::string& name() const { return name_; }
 
   private:
     Buffer(std::string name, size_t bytes, const void* data);
+    void write_bytes(const void* data, size_t bytes) const;
     void read_bytes(void* data, size_t bytes) const;
 
     std::string name_;

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/catalogue.h"
 #include "core/params.h"
 
 namespace onepass::gl {
@@ -61,7 +62,9 @@ struct StrategyInfo {
     int gl = 330;                       ///< least OpenGL version as a number: 330 for 3.3
     bool twin = true;
     std::string no_twin_reason;  ///< if `twin` is false
+    bool by_default = true;      ///< TracerInfo::by_default
     std::vector<ParamInfo> params;
+    std::vector<Deviation> deviations;  ///< in the order of their lines
 };
 
 /// Shader files by path relative to the shader root ("lib/dda.glsl").

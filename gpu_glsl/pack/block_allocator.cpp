@@ -25,7 +25,7 @@ bool for_each_block(uvec3 corner, uvec3 box, F&& f) {
 BlockAllocator::BlockAllocator(uvec3 blocks)
     : blocks_(blocks), used_(size_t{blocks.x} * blocks.y * blocks.z, false) {}
 
-std::optional<uvec3> BlockAllocator::allocate(uvec3 box) {
+std::optional<uvec3> BlockAllocator::find(uvec3 box) const {
     ONEPASS_CHECK(box.x > 0 && box.y > 0 && box.z > 0);
     if (box.x > blocks_.x || box.y > blocks_.y || box.z > blocks_.z) return std::nullopt;
     std::optional<uvec3> found;
@@ -33,6 +33,11 @@ std::optional<uvec3> BlockAllocator::allocate(uvec3 box) {
         if (is_free(corner, box)) found = corner;
         return !found.has_value();
     });
+    return found;
+}
+
+std::optional<uvec3> BlockAllocator::allocate(uvec3 box) {
+    const std::optional<uvec3> found = find(box);
     if (found) mark(*found, box, true);
     return found;
 }

@@ -14,8 +14,11 @@ class BlockAllocator {
     /// `blocks`: how many there are along each axis.
     explicit BlockAllocator(uvec3 blocks);
 
-    /// The lower corner of a free box of `box` blocks, now marked used; nothing if none is free.
+    /// The lower corner of the first free box of `box` blocks; nothing if none is free.
     /// Cost: O(blocks * box) at worst.
+    std::optional<uvec3> find(uvec3 box) const;
+
+    /// The same box, now marked used.
     std::optional<uvec3> allocate(uvec3 box);
 
     /// Marks a box that allocate() gave free again.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <iterator>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -10,6 +11,36 @@
 
 namespace onepass {
 namespace {
+
+/// `textures`: a range of TextureData, const or not.
+template <class Textures>
+auto& find_texture(Textures& textures, const std::string& name) {
+    const auto found = std::find_if(textures.begin(), textures.end(),
+                                    [&](const TextureData& t) { return t.name == name; });
+    if (found == textures.end()) {
+        throw Error({"texture '" + name + "'", "nothing packed under that name",
+                     "a texture made by the strategy's packing",
+                     "Add it to the packing of the storage that declares it."});
+    }
+    return *found;
+}
+
+void write_box(TextureData& texture, const TexelBox& box) {
+    if (texture.texels.empty()) return;
+    const auto channels = static_cast<size_t>(texture.channels);
+    const size_t row = channels * box.size.x;
+    ONEPASS_CHECK_EQ(box.texels.size(), row * box.size.y * box.size.z);
+    const float* from = box.texels.data();
+    for (uint32_t z = 0; z < box.size.z; ++z) {
+        for (uint32_t y = 0; y < box.size.y; ++y, from += row) {
+            const size_t texel =
+                box.corner.x + size_t{texture.size.x} *
+                                   (box.corner.y + y + size_t{texture.size.y} * (box.corner.z + z));
+            std::copy_n(from, row,
+                        texture.texels.begin() + static_cast<std::ptrdiff_t>(channels * texel));
+        }
+    }
+}
 
 /// Without its content. An empty buffer holds one texel, as GL has none without.
 TextureData make_buffer(const std::string& name, const std::string& what, uint64_t texels,
@@ -41,18 +72,31 @@ uint64_t ShaderInputs::texture_bytes() const {
 }
 
 const TextureData& ShaderInputs::texture(const std::string& name) const {
-    const auto found = std::find_if(textures.begin(), textures.end(),
-                                    [&](const TextureData& t) { return t.name == name; });
-    if (found == textures.end()) {
-        throw Error({"texture '" + name + "'", "nothing packed under that name",
-                     "a texture made by the strategy's packing",
-                     "Add it to the packing of the storage that declares it."});
-    }
-    return *found;
+    return find_texture(textures, name);
 }
 
-TextureData make_record_texture(const std::string& name, const std::string& what, uint64_t records,
-                                uint32_t texels_per_record, uint32_t max_side) {
+TextureData& ShaderInputs::texture(const std::string& name) { return find_texture(textures, name); }
+
+void ShaderInputs::apply(InputChanges changes) {
+    for (TextureData& remade : changes.remade) texture(remade.name) = std::move(remade);
+    for (const TexelBox& box : changes.boxes) write_box(texture(box.texture), box);
+    for (const UniformData& uniform : changes.uniforms) {
+        for (UniformData& own : uniforms) {
+            if (own.name == uniform.name) own.value = uniform.value;
+        }
+    }
+}
+
+TextureData zero_texture(const std::string& name, uvec3 size) {
+    TextureData texture;
+    texture.name = name;
+    texture.size = size;
+    texture.texels.assign(size_t{4} * size.x * size.y, 0.0f);
+    return texture;
+}
+
+uvec3 record_texture_size(const std::string& name, const std::string& what, uint64_t records,
+                          uint32_t texels_per_record, uint32_t max_side) {
     // As square as powers of two allow: the side limits, not the area, run out first.
     const uint64_t texels = std::max<uint64_t>(records, 1) * texels_per_record;
     uint64_t width = std::bit_ceil(uint64_t{texels_per_record});
@@ -67,11 +111,7 @@ TextureData make_record_texture(const std::string& name, const std::string& what
              "Use a smaller scene, --param address=float, or a device with larger "
              "textures."});
     }
-    TextureData texture;
-    texture.name = name;
-    texture.size = uvec3(width, height, 1);
-    texture.texels.assign(width * height * 4, 0.0f);
-    return texture;
+    return uvec3(width, height, 1);
 }
 
 TextureData make_float_buffer(const std::string& name, const std::string& what, uint64_t texels,
@@ -90,8 +130,14 @@ TextureData make_word_buffer(const std::string& name, const std::string& what, u
     return buffer;
 }
 
-uvec2 record_texel(const TextureData& texture, uint64_t index, uint32_t texels_per_record) {
-    const uint64_t per_row = texture.size.x / texels_per_record;
+TextureData make_record_texture(const std::string& name, const std::string& what, uint64_t records,
+                                uint32_t texels_per_record, uint32_t max_side) {
+    return zero_texture(name,
+                        record_texture_size(name, what, records, texels_per_record, max_side));
+}
+
+uvec2 record_texel(uvec3 texture_size, uint64_t index, uint32_t texels_per_record) {
+    const uint64_t per_row = texture_size.x / texels_per_record;
     return uvec2(index % per_row * texels_per_record, index / per_row);
 }
 

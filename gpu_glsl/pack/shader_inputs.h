@@ -40,6 +40,21 @@ struct UniformData {
     std::variant<int32_t, float, vec3> value;
 };
 
+/// New texels for a box of a texture, in the texture's own order and channels.
+struct TexelBox {
+    std::string texture;  ///< its name
+    uvec3 corner{0};
+    uvec3 size{1};
+    std::vector<float> texels;
+};
+
+/// What becomes of inputs when instances move. Deques, as in ShaderInputs.
+struct InputChanges {
+    std::deque<TextureData> remade;  ///< take the place of those of the same names
+    std::deque<TexelBox> boxes;      ///< of textures that are not remade
+    std::vector<UniformData> uniforms;
+};
+
 struct ShaderInputs {
     /// A deque, because growing a vector would copy the texels: GLM's vectors, and so TextureData,
     /// are not nothrow-movable here.
@@ -53,6 +68,11 @@ struct ShaderInputs {
 
     /// The texture of that name. Throws: Error if there is none.
     const TextureData& texture(const std::string& name) const;
+    TextureData& texture(const std::string& name);
+
+    /// Changes textures and uniforms in place. A box of a texture whose texels were given back
+    /// (an empty vector) is left out.
+    void apply(InputChanges changes);
 };
 
 /// The largest textures a device holds, as packing needs to know it.
@@ -61,6 +81,13 @@ struct TextureLimits {
     uint32_t max_3d = 2048;
     uint64_t max_buffer = uint64_t{1} << 27;  ///< texels
 };
+
+/// A 2D texture of RGBA32F texels, all 0.
+TextureData zero_texture(const std::string& name, uvec3 size);
+
+/// The size of make_record_texture()'s texture. Throws: as it does.
+uvec3 record_texture_size(const std::string& name, const std::string& what, uint64_t records,
+                          uint32_t texels_per_record, uint32_t max_side);
 
 /// A 2D texture of `records` records of `texels_per_record` RGBA32F texels each, row-major, where
 /// no record crosses a row: a power of two wide, just high enough. `what` names the records in
@@ -76,7 +103,10 @@ TextureData make_word_buffer(const std::string& name, const std::string& what, u
                              int channels, const TextureLimits& limits);
 
 /// The texel where record `index` of such a texture begins.
-uvec2 record_texel(const TextureData& texture, uint64_t index, uint32_t texels_per_record);
+uvec2 record_texel(uvec3 texture_size, uint64_t index, uint32_t texels_per_record);
+inline uvec2 record_texel(const TextureData& texture, uint64_t index, uint32_t texels_per_record) {
+    return record_texel(texture.size, index, texels_per_record);
+}
 
 /// The four floats of a texel.
 float* texel_at(TextureData& texture, uvec2 texel);

@@ -1,6 +1,8 @@
 #include "gpu_glsl/pack/shading_tables.h"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include "core/error.h"
 #include "core/shading.h"
@@ -63,41 +65,61 @@ TextureData pack_normals(const Scene& scene, bool smooth, const TextureLimits& l
 
 }  // namespace
 
-ShaderInputs pack_shading_tables(const Scene& scene, bool smooth_normals,
-                                 const TextureLimits& limits) {
-    ShaderInputs inputs;
-    inputs.textures.push_back(pack_normals(scene, smooth_normals, limits));
-
-    // Instances, and a material record for each of their groups.
+TextureData pack_shading_instances(const Scene& scene, std::span<const Affine> object_from_world,
+                                   const TextureLimits& limits) {
     std::vector<uint64_t> first_triangle;
     uint64_t triangles = 0;
     for (const Object& object : scene.objects) {
         first_triangle.push_back(triangles);
         triangles += object.triangles.size();
     }
-    uint64_t material_records = 0;
-    for (const Instance& instance : scene.instances) material_records += instance.materials.size();
+    std::vector<uint64_t> first_material;
+    uint64_t materials = 0;
+    for (const Instance& instance : scene.instances) {
+        first_material.push_back(materials);
+        materials += instance.materials.size();
+    }
 
-    TextureData instances =
+    TextureData texture =
         make_record_texture("shading_instances", "instances", scene.instances.size(),
                             kShadingInstanceTexels, limits.max_2d);
+    constexpr size_t kInstancesATask = 1024;
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, scene.instances.size(), kInstancesATask),
+                      [&](const auto& range) {
+                          for (size_t i = range.begin(); i != range.end(); ++i) {
+                              const Affine& m = object_from_world[i];
+                              const uvec2 at = record_texel(texture, i, kShadingInstanceTexels);
+                              for (int row = 0; row < 3; ++row) {
+                                  put(texture, right(at, static_cast<uint32_t>(row)),
+                                      vec3(m[0][row], m[1][row], m[2][row]), 0.0f);
+                              }
+                              const uint64_t triangle = first_triangle[scene.instances[i].object];
+                              put(texture, right(at, 3),
+                                  vec3(index_as_float(triangle, "triangle"),
+                                       index_as_float(first_material[i], "material"), 0.0f),
+                                  0.0f);
+                          }
+                      });
+    return texture;
+}
+
+ShaderInputs pack_shading_tables(const Scene& scene, bool smooth_normals,
+                                 const TextureLimits& limits) {
+    ShaderInputs inputs;
+    inputs.textures.push_back(pack_normals(scene, smooth_normals, limits));
+
+    // Instances, and a material record for each of their groups.
+    std::vector<Affine> object_from_world;
+    uint64_t material_records = 0;
+    for (const Instance& instance : scene.instances) {
+        object_from_world.emplace_back(inverse(instance.world_from_object));
+        material_records += instance.materials.size();
+    }
+    inputs.textures.push_back(pack_shading_instances(scene, object_from_world, limits));
     TextureData materials = make_record_texture("materials", "materials", material_records,
                                                 kMaterialTexels, limits.max_2d);
     uint64_t material_record = 0;
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-        const Instance& instance = scene.instances[i];
-        const Affine object_from_world(inverse(instance.world_from_object));
-        const uvec2 at = record_texel(instances, i, kShadingInstanceTexels);
-        for (int row = 0; row < 3; ++row) {
-            put(instances, right(at, static_cast<uint32_t>(row)),
-                vec3(object_from_world[0][row], object_from_world[1][row],
-                     object_from_world[2][row]),
-                0.0f);
-        }
-        put(instances, right(at, 3),
-            vec3(index_as_float(first_triangle[instance.object], "triangle"),
-                 index_as_float(material_record, "material"), 0.0f),
-            0.0f);
+    for (const Instance& instance : scene.instances) {
         for (const uint32_t index : instance.materials) {
             const Material& material = scene.materials[index];
             const uvec2 texel = record_texel(materials, material_record++, kMaterialTexels);
@@ -105,7 +127,6 @@ ShaderInputs pack_shading_tables(const Scene& scene, bool smooth_normals,
             put(materials, right(texel, 1), material.specular, material.shininess);
         }
     }
-    inputs.textures.push_back(std::move(instances));
     inputs.textures.push_back(std::move(materials));
 
     // Lights, and the scene's few numbers.

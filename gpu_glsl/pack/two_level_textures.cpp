@@ -1,11 +1,7 @@
 #include "gpu_glsl/pack/two_level_textures.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <numeric>
-#include <optional>
-#include <span>
 
 #include <fmt/format.h>
 #include <glm/gtc/packing.hpp>
@@ -13,7 +9,7 @@
 #include <tbb/parallel_for.h>
 
 #include "core/error.h"
-#include "gpu_glsl/pack/block_allocator.h"
+#include "gpu_glsl/pack/reference_lists.h"
 
 namespace onepass {
 namespace {
@@ -33,8 +29,8 @@ float round_to_half(float value) { return glm::unpackHalf1x16(glm::packHalf1x16(
 /// times, and rounding to half is slow.
 class AddressTable {
   public:
-    AddressTable(const TextureData& texture, AddressWidth width)
-        : x_(centres(texture.size.x, width)), y_(centres(texture.size.y, width)) {}
+    AddressTable(uvec3 texture_size, AddressWidth width)
+        : x_(centres(texture_size.x, width)), y_(centres(texture_size.y, width)) {}
 
     vec2 operator()(uvec2 texel) const { return vec2(x_[texel.x], y_[texel.y]); }
 
@@ -52,175 +48,6 @@ class AddressTable {
     std::vector<float> y_;
 };
 
-// ---- Triangles: four planes each ---------------------------------------------------------------
-
-struct Planes {
-    glm::dvec4 rows[kTriangleTexels];
-};
-
-/// The triangle's plane and its three sides, in double. A triangle without area gives planes of
-/// NaN, which no comparison of the shader's test accepts: it is never hit.
-Planes triangle_planes(const dvec3& v0, const dvec3& v1, const dvec3& v2) {
-    const dvec3 e1 = v1 - v0;
-    const dvec3 e2 = v2 - v0;
-    const dvec3 n = glm::cross(e1, e2);
-    const double n2 = glm::dot(n, n);
-    const dvec3 unit = n / std::sqrt(n2);
-    const dvec3 u = glm::cross(e2, n) / n2;
-    const dvec3 v = glm::cross(n, e1) / n2;
-    const dvec3 w = -(u + v);
-    return {{glm::dvec4(unit, -glm::dot(unit, v0)), glm::dvec4(u, -glm::dot(u, v0)),
-             glm::dvec4(v, -glm::dot(v, v0)), glm::dvec4(w, 1.0 - glm::dot(w, v0))}};
-}
-
-TextureData pack_triangles(const Scene& scene, const std::vector<uint64_t>& first_triangle,
-                           uint64_t triangle_count, uint32_t max_side) {
-    TextureData texture =
-        make_record_texture("triangles", "triangles", triangle_count, kTriangleTexels, max_side);
-    for (size_t k = 0; k < scene.objects.size(); ++k) {
-        const Object& object = scene.objects[k];
-        tbb::parallel_for(
-            tbb::blocked_range<size_t>(0, object.triangles.size()), [&](const auto& range) {
-                for (size_t i = range.begin(); i != range.end(); ++i) {
-                    const uvec3 tri = object.triangles[i];
-                    const Planes planes = triangle_planes(dvec3(object.positions[tri.x]),
-                                                          dvec3(object.positions[tri.y]),
-                                                          dvec3(object.positions[tri.z]));
-                    float* out = texel_at(
-                        texture, record_texel(texture, first_triangle[k] + i, kTriangleTexels));
-                    for (const glm::dvec4& row : planes.rows) {
-                        for (int c = 0; c < 4; ++c) *out++ = static_cast<float>(row[c]);
-                    }
-                }
-            });
-    }
-    return texture;
-}
-
-// ---- The cell texture --------------------------------------------------------------------------
-
-/// Where each grid lies in the cell texture.
-struct CellAtlas {
-    uvec3 size{0};               ///< texels
-    std::vector<uvec3> corners;  ///< in cells, one a grid
-    uint64_t used_blocks = 0;
-};
-
-uvec3 blocks_of(uvec3 cells) { return (cells + uvec3(kBlockCells - 1)) / uvec3(kBlockCells); }
-
-/// Tries to place all grids, the largest first.
-std::optional<CellAtlas> place_grids(const std::vector<const UniformGrid*>& grids, uvec3 size) {
-    std::vector<size_t> order(grids.size());
-    std::iota(order.begin(), order.end(), size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
-        return grids[a]->cell_count() > grids[b]->cell_count();
-    });
-    CellAtlas atlas;
-    atlas.size = size;
-    atlas.corners.resize(grids.size());
-    BlockAllocator allocator(size / uvec3(kBlockCells));
-    for (const size_t i : order) {
-        const auto corner = allocator.allocate(blocks_of(grids[i]->dims));
-        if (!corner) return std::nullopt;
-        atlas.corners[i] = *corner * uvec3(kBlockCells);
-    }
-    atlas.used_blocks = allocator.used_blocks();
-    return atlas;
-}
-
-/// The smallest texture that holds all grids, doubling one side after the other. Sides are powers
-/// of two, so that walking by one texel is exact.
-CellAtlas make_atlas(const std::vector<const UniformGrid*>& grids, uint32_t limit) {
-    uint64_t blocks_needed = 0;
-    uvec3 largest(1);
-    for (const UniformGrid* grid : grids) {
-        const uvec3 blocks = blocks_of(grid->dims);
-        blocks_needed += uint64_t{blocks.x} * blocks.y * blocks.z;
-        largest = glm::max(largest, grid->dims);
-    }
-    uvec3 size(kBlockCells);
-    for (int axis = 0; size.x <= limit && size.y <= limit && size.z <= limit;
-         axis = (axis + 1) % 3) {
-        const uvec3 blocks = size / uvec3(kBlockCells);
-        if (uint64_t{blocks.x} * blocks.y * blocks.z >= blocks_needed) {
-            if (auto atlas = place_grids(grids, size)) return *atlas;
-        }
-        size[axis] *= 2;
-    }
-    throw Error(
-        {"texture 'cells'",
-         fmt::format("{} grids that fill {} blocks of {}^3 cells, the largest grid {} x {} "
-                     "x {} cells",
-                     grids.size(), blocks_needed, kBlockCells, largest.x, largest.y, largest.z),
-         fmt::format("a fit in {0} x {0} x {0} cells", limit),
-         "Lower --param density or top_density, or raise --param atlas."});
-}
-
-// ---- Lists of references -----------------------------------------------------------------------
-
-/// Where the lists lie in the reference texture: a list never crosses a row.
-struct ListLayout {
-    uint32_t width = 0;
-    uint64_t rows = 0;
-    /// One a grid, one entry a cell: the index (column + width * row) of the cell's first
-    /// reference.
-    std::vector<std::vector<uint32_t>> first;
-
-    uvec2 texel(size_t grid, uint64_t cell) const {
-        return uvec2(first[grid][cell] % width, first[grid][cell] / width);
-    }
-};
-
-ListLayout lay_lists(const std::vector<const UniformGrid*>& grids, uint32_t width) {
-    ListLayout layout;
-    layout.width = width;
-    uint64_t row = 0;
-    uint32_t column = 0;
-    for (const UniformGrid* grid : grids) {
-        std::vector<uint32_t>& first = layout.first.emplace_back(grid->cell_count());
-        for (uint64_t cell = 0; cell < first.size(); ++cell) {
-            const uint32_t count = grid->cell_begin[cell + 1] - grid->cell_begin[cell];
-            if (column + count > width) {
-                ++row;
-                column = 0;
-            }
-            first[cell] = static_cast<uint32_t>(column + width * row);
-            column += count;
-        }
-    }
-    layout.rows = row + 1;
-    return layout;
-}
-
-/// As square as powers of two allow.
-ListLayout choose_layout(const std::vector<const UniformGrid*>& grids, uint32_t longest,
-                         uint32_t max_side) {
-    uint64_t references = 0;
-    for (const UniformGrid* grid : grids) references += grid->references.size();
-    const auto least_square = static_cast<uint64_t>(std::sqrt(static_cast<double>(references)));
-    uint64_t width = std::bit_ceil(std::max({uint64_t{longest}, least_square, uint64_t{16}}));
-    width = std::min<uint64_t>(width, max_side);
-    if (longest <= width) {
-        for (; width <= max_side; width *= 2) {
-            ListLayout layout = lay_lists(grids, static_cast<uint32_t>(width));
-            if (layout.rows <= max_side) return layout;
-        }
-    }
-    throw Error({"texture 'references'",
-                 fmt::format("{} references, {} in the longest list", references, longest),
-                 fmt::format("lists within rows of {0} texels, and at most {0} rows", max_side),
-                 "Use --param address=float, or lower --param density."});
-}
-
-/// The longest list of a grid.
-uint32_t longest_list(const UniformGrid& grid) {
-    uint32_t longest = 0;
-    for (uint64_t i = 0; i < grid.cell_count(); ++i) {
-        longest = std::max(longest, grid.cell_begin[i + 1] - grid.cell_begin[i]);
-    }
-    return longest;
-}
-
 // ---- Grid and instance records -----------------------------------------------------------------
 
 /// A number as the float that carries it: exact below 2^24.
@@ -235,60 +62,143 @@ float exact_float(uint64_t value, const char* what) {
 }
 
 /// r_g = a r + b, with a = N / L in texels (D1), and the grid's box of texture coordinates.
-void pack_grid(TextureData& grids, uint64_t record, const UniformGrid& grid, uvec3 corner,
-               uvec3 atlas_size, float step_budget, float first_triangle) {
+/// `turns`: of the loop that walks it, at most, in one cell.
+void pack_grid(float* out, const UniformGrid& grid, uvec3 corner, uvec3 atlas_size, uint64_t turns,
+               uint64_t first_triangle) {
     const dvec3 texel = 1.0 / dvec3(atlas_size);
     const dvec3 lower = dvec3(corner) * texel;
     const dvec3 upper = dvec3(corner + grid.dims) * texel;
     const dvec3 a = texel / grid.cell_size();
     const dvec3 b = lower - dvec3(grid.bounds.lower) * a;
-    float* out = texel_at(grids, record_texel(grids, record, kGridTexels));
-    for (const glm::dvec4& row : {glm::dvec4(a, step_budget), glm::dvec4(b, first_triangle),
-                                  glm::dvec4(lower, 0.0), glm::dvec4(upper, 0.0)}) {
+    // A walk crosses at most dims.x + dims.y + dims.z planes.
+    const uint64_t walk_steps = uint64_t{grid.dims.x} + grid.dims.y + grid.dims.z + 3;
+    const float step_budget = exact_float(walk_steps * turns, "a step budget of");
+    for (const glm::dvec4& row :
+         {glm::dvec4(a, step_budget), glm::dvec4(b, exact_float(first_triangle, "triangle number")),
+          glm::dvec4(lower, 0.0), glm::dvec4(upper, 0.0)}) {
         for (int c = 0; c < 4; ++c) *out++ = static_cast<float>(row[c]);
     }
 }
 
-TextureData pack_instances(const Scene& scene, const TextureData& grids, AddressWidth width,
-                           uint32_t max_side) {
-    TextureData texture = make_record_texture("instances", "instances", scene.instances.size(),
-                                              kInstanceTexels, max_side);
-    const AddressTable grid_address(grids, width);
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-        const Instance& instance = scene.instances[i];
-        const Affine m(inverse(instance.world_from_object));
-        float* out = texel_at(texture, record_texel(texture, i, kInstanceTexels));
-        for (int row = 0; row < 3; ++row) {
-            for (int column = 0; column < 4; ++column) *out++ = m[column][row];
+void pack_object_record(float* out, const UniformGrid& grid, uvec3 corner, uvec3 atlas_size,
+                        uint64_t first_triangle) {
+    pack_grid(out, grid, corner, atlas_size, 1, first_triangle);
+}
+
+/// The top loop also takes a turn for each reference on its way.
+void pack_top_record(float* out, const UniformGrid& grid, uvec3 corner, uvec3 atlas_size) {
+    pack_grid(out, grid, corner, atlas_size, 1 + uint64_t{longest_list(grid)}, 0);
+}
+
+// ---- Cells and lists of one grid ---------------------------------------------------------------
+
+/// A texture of cells, or a box of one, and where a grid lies in it.
+struct CellTarget {
+    float* texels;
+    uvec3 size;
+    uvec3 corner;
+};
+
+/// The reference texture, or its rows from `first_row` on.
+struct ListTarget {
+    float* texels;
+    uint32_t width;
+    uint32_t first_row;
+};
+
+/// Writes the cells that are not empty, and their lists. `target_address(primitive)`: what a
+/// reference holds.
+template <class TargetAddress>
+void write_grid(const UniformGrid& grid, const ListPlaces& places, const AddressTable& list_address,
+                const TargetAddress& target_address, const CellTarget& cells,
+                const ListTarget& lists) {
+    const auto write_row = [&](uint32_t y, uint32_t z) {
+        uint64_t cell = uint64_t{grid.dims.x} * (y + uint64_t{grid.dims.y} * z);
+        const uvec3 at = cells.corner + uvec3(0, y, z);
+        float* out =
+            cells.texels + 4 * (at.x + size_t{cells.size.x} * (at.y + size_t{cells.size.y} * at.z));
+        for (uint32_t x = 0; x < grid.dims.x; ++x, ++cell, out += 4) {
+            const uint32_t begin = grid.cell_begin[cell];
+            const uint32_t end = grid.cell_begin[cell + 1];
+            if (begin == end) continue;
+            const uvec2 texel(places[cell] % lists.width, places[cell] / lists.width);
+            const vec2 address = list_address(texel);
+            out[0] = address.x;
+            out[1] = address.y;
+            out[2] = static_cast<float>(end - begin);
+
+            float* reference =
+                lists.texels + 2 * (texel.x + size_t{lists.width} * (texel.y - lists.first_row));
+            for (uint32_t i = begin; i < end; ++i) {
+                const vec2 to = target_address(grid.references[i]);
+                *reference++ = to.x;
+                *reference++ = to.y;
+            }
         }
-        const vec2 grid =
-            grid_address(record_texel(grids, uint64_t{1} + instance.object, kGridTexels));
-        *out++ = grid.x;
-        *out++ = grid.y;
-        *out++ = exact_float(i, "instance number");
-    }
-    return texture;
+    };
+    // Rows of cells, enough of them a task to be worth one.
+    constexpr uint32_t kCellsATask = 4096;
+    const size_t rows = size_t{grid.dims.y} * grid.dims.z;
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, rows, 1 + kCellsATask / grid.dims.x),
+                      [&](const auto& range) {
+                          for (size_t row = range.begin(); row != range.end(); ++row) {
+                              write_row(static_cast<uint32_t>(row % grid.dims.y),
+                                        static_cast<uint32_t>(row / grid.dims.y));
+                          }
+                      });
+}
+
+/// The top level's references point to instances.
+void write_top(const UniformGrid& top, const ListPlaces& lists, const TwoLevelPlaces& places,
+               const CellTarget& cells, const ListTarget& references) {
+    const AddressTable list_address(places.references, places.address);
+    const AddressTable instance_address(places.instances, places.address);
+    write_grid(
+        top, lists, list_address,
+        [&](uint32_t instance) {
+            return instance_address(record_texel(places.instances, instance, kInstanceTexels));
+        },
+        cells, references);
+}
+
+// ---- All grids of a scene ----------------------------------------------------------------------
+
+uint32_t longest_of_all(std::span<const UniformGrid> objects, const UniformGrid& top) {
+    uint32_t longest = longest_list(top);
+    for (const UniformGrid& grid : objects) longest = std::max(longest, longest_list(grid));
+    return longest;
+}
+
+uint32_t max_side(AddressWidth address, const TextureLimits& limits) {
+    return address == AddressWidth::half ? std::min(kHalfAddressLimit, limits.max_2d)
+                                         : limits.max_2d;
+}
+
+/// Half addresses where they reach: decided before anything large is made.
+AddressWidth choose_address_width(const Scene& scene, std::span<const UniformGrid> objects,
+                                  const UniformGrid& top) {
+    const uint64_t texels = first_triangles(scene).back() * kTriangleTexels;
+    uint64_t references = top.references.size();
+    for (const UniformGrid& grid : objects) references += grid.references.size();
+    const uint32_t longest = longest_of_all(objects, top);
+    // Rows waste less than a longest list each, and the top level begins a row.
+    constexpr uint64_t kHalfTexels = uint64_t{kHalfAddressLimit} * kHalfAddressLimit;
+    const bool half_fits =
+        texels <= kHalfTexels && longest < kHalfAddressLimit &&
+        references + uint64_t{kHalfAddressLimit} * (longest + 1) <= kHalfTexels &&
+        scene.instances.size() * kInstanceTexels <= kHalfTexels;
+    return half_fits ? AddressWidth::half : AddressWidth::single;
 }
 
 /// Packs with one address width. Throws: Error if that width cannot address the scene.
-TwoLevelTextures pack_with_width(const Scene& scene, const TwoLevelGrid& grid, AddressWidth width,
-                                 const TwoLevelTexturesOptions& options) {
+GridTextures pack_grids_with_width(const Scene& scene, std::span<const UniformGrid> objects,
+                                   const UniformGrid& top, AddressWidth width,
+                                   const TwoLevelTexturesOptions& options,
+                                   const TwoLevelPlaces& least) {
     const bool half = width == AddressWidth::half;
-    const uint32_t max_side =
-        half ? std::min(kHalfAddressLimit, options.limits.max_2d) : options.limits.max_2d;
+    const uint32_t side = max_side(width, options.limits);
     const ChannelFormat address_format = half ? ChannelFormat::half : ChannelFormat::single;
-
-    // Grid 0 is the top level, grid 1 + k that of object k.
-    std::vector<const UniformGrid*> grids = {&grid.top};
-    for (const UniformGrid& object : grid.objects) grids.push_back(&object);
-    std::vector<uint64_t> first_triangle;
-    uint64_t triangle_count = 0;
-    for (const Object& object : scene.objects) {
-        first_triangle.push_back(triangle_count);
-        triangle_count += object.triangles.size();
-    }
-    uint32_t longest = 0;
-    for (const UniformGrid* g : grids) longest = std::max(longest, longest_list(*g));
+    const uint32_t longest = longest_of_all(objects, top);
     if (half && longest > kHalfCountLimit) {
         throw Error(
             {"texture 'cells'", fmt::format("a list of {} references", longest),
@@ -296,132 +206,181 @@ TwoLevelTextures pack_with_width(const Scene& scene, const TwoLevelGrid& grid, A
              "Use --param address=float."});
     }
 
-    // What references point to.
-    TextureData triangles = pack_triangles(scene, first_triangle, triangle_count, max_side);
-    TextureData grid_records =
-        make_record_texture("grids", "grids", grids.size(), kGridTexels, max_side);
-    TextureData instances = pack_instances(scene, grid_records, width, max_side);
+    // Where everything lies.
+    const std::vector<uint64_t> first_triangle = first_triangles(scene);
+    const uint32_t cell_limit = std::min(options.cell_texture_limit, options.limits.max_3d);
+    TwoLevelPlaces places;
+    places.address = width;
+    places.triangles =
+        record_texture_size("triangles", "triangles", first_triangle.back(), kTriangleTexels, side);
+    places.instances = record_texture_size("instances", "instances", scene.instances.size(),
+                                           kInstanceTexels, side);
+    places.grids = record_texture_size("grids", "grids", 1 + objects.size(), kGridTexels, side);
+    places.objects = place_object_grids(objects, cell_limit);
+    const TopPlace top_place = place_top_grid(places.objects, top.dims, cell_limit);
+    places.cells = glm::max(top_place.size, least.cells);
+    const ListLayout lists =
+        choose_list_layout(objects, top, side, options.moving, uvec2(least.references));
+    places.first_top_row = lists.first_top_row;
+    places.references = uvec3(lists.width, lists.rows, 1);
 
     // Cells and their lists.
-    const CellAtlas atlas =
-        make_atlas(grids, std::min(options.cell_texture_limit, options.limits.max_3d));
-    TextureData cells{
-        .name = "cells",
-        .dimensions = 3,
-        .size = atlas.size,
+    TextureData cells{.name = "cells",
+                      .dimensions = 3,
+                      .size = places.cells,
+                      .format = address_format,
+                      .texels = std::vector<float>(
+                          size_t{4} * places.cells.x * places.cells.y * places.cells.z, 0.0f)};
+    TextureData references{
+        .name = "references",
+        .size = places.references,
+        .channels = 2,
         .format = address_format,
-        .texels = std::vector<float>(size_t{4} * atlas.size.x * atlas.size.y * atlas.size.z, 0.0f)};
-    const ListLayout lists = choose_layout(grids, longest, max_side);
-    TextureData references{.name = "references",
-                           .size = uvec3(lists.width, lists.rows, 1),
-                           .channels = 2,
-                           .format = address_format,
-                           .texels = std::vector<float>(2 * lists.width * lists.rows, 0.0f)};
-    const AddressTable list_address(references, width);
-    const AddressTable instance_address(instances, width);
-    const AddressTable triangle_address(triangles, width);
-    for (size_t g = 0; g < grids.size(); ++g) {
-        const UniformGrid& source = *grids[g];
-        const bool top = g == 0;
-        const TextureData& target = top ? instances : triangles;
-        const AddressTable& target_address = top ? instance_address : triangle_address;
-        const auto texels_per_record =
-            static_cast<uint32_t>(top ? kInstanceTexels : kTriangleTexels);
-        const uint64_t first_record = top ? 0 : first_triangle[g - 1];
-        tbb::parallel_for(
-            tbb::blocked_range<uint64_t>(0, source.cell_count()), [&](const auto& range) {
-                for (uint64_t cell = range.begin(); cell != range.end(); ++cell) {
-                    const std::span<const uint32_t> list(
-                        source.references.data() + source.cell_begin[cell],
-                        source.references.data() + source.cell_begin[cell + 1]);
-                    if (list.empty()) continue;
-                    const uvec3 at = atlas.corners[g] + uvec3(cell % source.dims.x,
-                                                              cell / source.dims.x % source.dims.y,
-                                                              cell / source.dims.x / source.dims.y);
-                    const uvec2 texel = lists.texel(g, cell);
-                    const vec2 address = list_address(texel);
-                    float* out =
-                        &cells.texels[4 * (at.x + size_t{atlas.size.x} *
-                                                      (at.y + size_t{atlas.size.y} * at.z))];
-                    out[0] = address.x;
-                    out[1] = address.y;
-                    out[2] = static_cast<float>(list.size());
+        .texels = std::vector<float>(size_t{2} * lists.width * lists.rows, 0.0f)};
+    const ListTarget all_rows{references.texels.data(), lists.width, 0};
+    const AddressTable list_address(places.references, width);
+    const AddressTable triangle_address(places.triangles, width);
+    for (size_t k = 0; k < objects.size(); ++k) {
+        write_grid(
+            objects[k], lists.objects[k], list_address,
+            [&, first = first_triangle[k]](uint32_t triangle) {
+                return triangle_address(
+                    record_texel(places.triangles, first + triangle, kTriangleTexels));
+            },
+            {cells.texels.data(), places.cells, places.objects.corners[k]}, all_rows);
+    }
+    write_top(top, lists.top, places, {cells.texels.data(), places.cells, top_place.corner},
+              all_rows);
 
-                    float* reference =
-                        &references.texels[2 * (texel.x + size_t{lists.width} * texel.y)];
-                    for (const uint32_t primitive : list) {
-                        const vec2 to = target_address(
-                            record_texel(target, first_record + primitive, texels_per_record));
-                        *reference++ = to.x;
-                        *reference++ = to.y;
-                    }
-                }
-            });
+    // Grid records: the top level's first, that of object k after it.
+    TextureData records = zero_texture("grids", places.grids);
+    const auto record = [&](size_t index) {
+        return texel_at(records, record_texel(records, index, kGridTexels));
+    };
+    pack_top_record(record(0), top, top_place.corner, places.cells);
+    for (size_t k = 0; k < objects.size(); ++k) {
+        pack_object_record(record(1 + k), objects[k], places.objects.corners[k], places.cells,
+                           first_triangle[k]);
     }
 
-    // Grid records. A walk crosses at most dims.x + dims.y + dims.z planes; the top loop also takes
-    // a turn for each reference on its way.
-    for (size_t g = 0; g < grids.size(); ++g) {
-        const uvec3 dims = grids[g]->dims;
-        const uint64_t walk_steps = uint64_t{dims.x} + dims.y + dims.z + 3;
-        const uint64_t turns = g == 0 ? 1 + uint64_t{longest_list(grid.top)} : 1;
-        pack_grid(grid_records, g, *grids[g], atlas.corners[g], atlas.size,
-                  exact_float(walk_steps * turns, "a step budget of"),
-                  g == 0 ? 0.0f : exact_float(first_triangle[g - 1], "triangle number"));
-    }
-
-    TwoLevelTextures packed;
-    packed.address = width;
-    uint64_t cell_count = 0;
-    uint64_t reference_count = 0;
-    for (const UniformGrid* g : grids) {
-        cell_count += g->cell_count();
-        reference_count += g->references.size();
-    }
-    const std::string atlas_note =
-        fmt::format("texture of {} x {} x {} cells, {} blocks used", atlas.size.x, atlas.size.y,
-                    atlas.size.z, atlas.used_blocks);
+    GridTextures packed;
     packed.stats = {
-        {"cells", static_cast<double>(cell_count), "both levels"},
-        {"references", static_cast<double>(reference_count), "both levels"},
-        {"longest_list", static_cast<double>(longest), "references in one cell"},
-        {"cell_bytes", static_cast<double>(cells.bytes()), atlas_note},
+        {"cell_bytes", static_cast<double>(cells.bytes()),
+         fmt::format("texture of {} x {} x {} cells, {} blocks used", places.cells.x,
+                     places.cells.y, places.cells.z,
+                     places.objects.blocks.used_blocks() + block_count(top.dims))},
         {"reference_bytes", static_cast<double>(references.bytes()),
          fmt::format("{} rows of {}", lists.rows, lists.width)},
-        {"triangle_bytes", static_cast<double>(triangles.bytes()), "four planes each"},
         {"address_bits", half ? 16.0 : 32.0, "width of a texture address"},
     };
-    // Not an initializer list: that would copy them.
-    for (TextureData* texture : {&cells, &references, &triangles, &instances, &grid_records}) {
-        packed.inputs.textures.push_back(std::move(*texture));
+    packed.places = std::move(places);
+    for (TextureData* texture : {&cells, &references, &records}) {
+        packed.textures.push_back(std::move(*texture));
     }
     return packed;
 }
 
 }  // namespace
 
+GridTextures pack_grids(const Scene& scene, std::span<const UniformGrid> objects,
+                        const UniformGrid& top, const TwoLevelTexturesOptions& options,
+                        const TwoLevelPlaces& least) {
+    const AddressWidth width = options.address == AddressWidth::automatic
+                                   ? choose_address_width(scene, objects, top)
+                                   : options.address;
+    return pack_grids_with_width(scene, objects, top, width, options, least);
+}
+
+std::optional<std::deque<TexelBox>> pack_top_grid(const UniformGrid& top,
+                                                  const TwoLevelPlaces& places,
+                                                  const TwoLevelTexturesOptions& options) {
+    // Does it fit?
+    const TopPlace place = place_top_grid(
+        places.objects, top.dims, std::min(options.cell_texture_limit, options.limits.max_3d));
+    if (glm::any(glm::greaterThan(place.size, places.cells))) return std::nullopt;
+    const uint32_t width = places.references.x;
+    if (longest_list(top) > width) return std::nullopt;
+    ListRows rows(width, places.first_top_row);
+    const ListPlaces lists = rows.lay(top);
+    if (rows.end_row() > places.references.y) return std::nullopt;
+
+    // All its cells, the empty ones too: others lay here before.
+    TexelBox cells{.texture = "cells",
+                   .corner = place.corner,
+                   .size = top.dims,
+                   .texels = std::vector<float>(4 * top.cell_count(), 0.0f)};
+    const auto row_count = static_cast<uint32_t>(rows.end_row() - places.first_top_row);
+    TexelBox references{.texture = "references",
+                        .corner = uvec3(0, places.first_top_row, 0),
+                        .size = uvec3(width, row_count, 1),
+                        .texels = std::vector<float>(size_t{2} * width * row_count, 0.0f)};
+    write_top(top, lists, places, {cells.texels.data(), top.dims, uvec3(0)},
+              {references.texels.data(), width, places.first_top_row});
+    TexelBox record{.texture = "grids",
+                    .size = uvec3(kGridTexels, 1, 1),
+                    .texels = std::vector<float>(4 * kGridTexels)};
+    pack_top_record(record.texels.data(), top, place.corner, places.cells);
+
+    std::deque<TexelBox> boxes;
+    for (TexelBox* box : {&cells, &references, &record}) boxes.push_back(std::move(*box));
+    return boxes;
+}
+
+TextureData pack_instances(const Scene& scene, std::span<const Affine> object_from_world,
+                           const TwoLevelPlaces& places) {
+    constexpr size_t kInstancesATask = 1024;
+    TextureData texture = zero_texture("instances", places.instances);
+    const AddressTable grid_address(places.grids, places.address);
+    tbb::parallel_for(
+        tbb::blocked_range<size_t>(0, scene.instances.size(), kInstancesATask),
+        [&](const auto& range) {
+            for (size_t i = range.begin(); i != range.end(); ++i) {
+                const Affine& m = object_from_world[i];
+                float* out = texel_at(texture, record_texel(texture, i, kInstanceTexels));
+                for (int row = 0; row < 3; ++row) {
+                    for (int column = 0; column < 4; ++column) *out++ = m[column][row];
+                }
+                const vec2 grid = grid_address(record_texel(
+                    places.grids, uint64_t{1} + scene.instances[i].object, kGridTexels));
+                *out++ = grid.x;
+                *out++ = grid.y;
+                *out++ = exact_float(i, "instance number");
+            }
+        });
+    return texture;
+}
+
 TwoLevelTextures pack_two_level_textures(const Scene& scene, const TwoLevelGrid& grid,
                                          const TwoLevelTexturesOptions& options) {
     ONEPASS_CHECK_EQ(grid.objects.size(), scene.objects.size());
-    if (options.address != AddressWidth::automatic) {
-        return pack_with_width(scene, grid, options.address, options);
+    GridTextures grids = pack_grids(scene, grid.objects, grid.top, options);
+    TextureData triangles = pack_triangle_planes(scene, options.triangles,
+                                                 max_side(grids.places.address, options.limits));
+    std::vector<Affine> object_from_world;
+    for (const Instance& instance : scene.instances) {
+        object_from_world.emplace_back(inverse(instance.world_from_object));
     }
-    // Half addresses where they reach: the width is decided before anything large is made.
-    uint64_t texels = 0;
-    for (const Object& object : scene.objects) texels += object.triangles.size() * kTriangleTexels;
-    uint64_t references = grid.top.references.size();
-    uint32_t longest = longest_list(grid.top);
+
+    TwoLevelTextures packed;
+    uint64_t cell_count = grid.top.cell_count();
+    uint64_t reference_count = grid.top.references.size();
     for (const UniformGrid& object : grid.objects) {
-        references += object.references.size();
-        longest = std::max(longest, longest_list(object));
+        cell_count += object.cell_count();
+        reference_count += object.references.size();
     }
-    // Rows waste less than a longest list each.
-    constexpr uint64_t kHalfTexels = uint64_t{kHalfAddressLimit} * kHalfAddressLimit;
-    const bool half_fits = texels <= kHalfTexels && longest < kHalfAddressLimit &&
-                           references + uint64_t{kHalfAddressLimit} * longest <= kHalfTexels &&
-                           scene.instances.size() * kInstanceTexels <= kHalfTexels;
-    return pack_with_width(scene, grid, half_fits ? AddressWidth::half : AddressWidth::single,
-                           options);
+    packed.stats = {
+        {"cells", static_cast<double>(cell_count), "both levels"},
+        {"references", static_cast<double>(reference_count), "both levels"},
+        {"longest_list", static_cast<double>(longest_of_all(grid.objects, grid.top)),
+         "references in one cell"},
+        {"triangle_bytes", static_cast<double>(triangles.bytes()), "four texels each"},
+    };
+    packed.stats.insert(packed.stats.end(), grids.stats.begin(), grids.stats.end());
+    packed.inputs.textures = std::move(grids.textures);
+    packed.inputs.textures.push_back(std::move(triangles));
+    packed.inputs.textures.push_back(pack_instances(scene, object_from_world, grids.places));
+    packed.places = std::move(grids.places);
+    return packed;
 }
 
 }  // namespace onepass

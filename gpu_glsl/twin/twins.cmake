@@ -39,7 +39,7 @@ function(onepass_add_twins target shader_dir)
                 target_sources(${target} PRIVATE ${unit})
                 set_source_files_properties(${unit} PROPERTIES
                     INCLUDE_DIRECTORIES ${shader_dir}
-                    COMPILE_OPTIONS "${literals};-Wno-unused-function;-Wno-shadow;-Wno-maybe-uninitialized")
+                    COMPILE_OPTIONS "${literals};-Wno-unused-function;-Wno-unused-parameter;-Wno-shadow;-Wno-maybe-uninitialized")
                 string(APPEND unit_declarations "extern const Unit k${unit_id};\n")
                 list(APPEND unit_names k${unit_id})
             endforeach()

@@ -5,6 +5,7 @@
 #include <string>
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/wait.h>
@@ -12,6 +13,7 @@
 
 #include "compare/npy.h"
 #include "compare/results.h"
+#include "core/io/load.h"
 #include "tests/support/temporary_folder.h"
 
 namespace onepass {
@@ -90,8 +92,8 @@ TEST(Help, lists_every_command) {
     const TemporaryFolder folder;
     const Outcome outcome = onepass_in(folder, {"--help"});
     EXPECT_EQ(outcome.exit_code, 0);
-    for (const char* command :
-         {"doctor", "list", "render", "check", "bench", "tune", "report", "shader", "scenes"}) {
+    for (const char* command : {"doctor", "list", "render", "check", "bench", "tune", "reproduce",
+                                "report", "shader", "scenes"}) {
         EXPECT_NE(outcome.out.find(std::string("\n  ") + command), std::string::npos) << command;
     }
     EXPECT_NE(outcome.out.find("Exit codes"), std::string::npos);
@@ -200,6 +202,141 @@ TEST(Render, writes_one_file_of_named_channels) {
     EXPECT_NE(bytes.find("(16, 32)"), std::string::npos);
 }
 
+// ---- Frames of an animation ----
+
+/// Strategies that `render --frames` must move as Embree does.
+const char* const kMovingStrategies[] = {"embree/fast/threads", "paper"};
+
+class RenderFrames : public testing::TestWithParam<const char*> {
+  protected:
+    std::vector<std::string> render(const std::vector<std::string>& more) const {
+        return with({"render", "balls-1", "-s", GetParam(), "--size", "48x32"}, more);
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Strategies, RenderFrames, testing::ValuesIn(kMovingStrategies));
+
+size_t count_of(const std::string& text, const std::string& part) {
+    size_t count = 0;
+    for (size_t at = text.find(part); at != text.npos; at = text.find(part, at + 1)) ++count;
+    return count;
+}
+
+TEST_P(RenderFrames, agree_with_embree_and_build_their_objects_once) {
+    const TemporaryFolder folder;
+    const Outcome outcome = onepass_in(
+        folder, render({"--frames", "0..4", "--fps", "3", "-o", "f.%02d.npy", "--json", "r.json"}));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err << outcome.out;
+    EXPECT_EQ(leftovers(folder), (std::vector<std::string>{"f.00.npy", "f.01.npy", "f.02.npy",
+                                                           "f.03.npy", "f.04.npy", "r.json"}));
+    EXPECT_EQ(count_of(outcome.out, " agrees\n"), 5u) << outcome.out;
+    EXPECT_NE(outcome.out.find("5 of 5 frames agree"), std::string::npos) << outcome.out;
+
+    const Results results = read_results(folder.path() / "r.json");
+    ASSERT_EQ(results.images.size(), 5u);
+    ASSERT_EQ(results.checks.size(), 5u);
+    EXPECT_EQ(results.images[4].scene, "balls-1, frame 4");
+    EXPECT_EQ(results.checks[4].ray_count, 48u * 32u);
+    std::vector<double> builds;
+    for (const TracerRecord& tracer : results.tracers) {
+        for (const Stat& stat : tracer.stats) {
+            if (stat.name == "object_builds" || stat.name == "top_builds") {
+                builds.push_back(stat.value);
+            }
+        }
+    }
+    EXPECT_EQ(builds, (std::vector<double>{1, 6, 1, 6})) << "one object; one top level a frame";
+}
+
+TEST_P(RenderFrames, move_and_loop_and_start_at_the_still_image) {
+    const TemporaryFolder folder;
+    // Two frames a second, in a loop of 2 s: frames 0 and 4 are one.
+    ASSERT_EQ(
+        onepass_in(folder, render({"--frames", "0..4", "--fps", "2", "--no-check", "-o", "%d.npy"}))
+            .exit_code,
+        0);
+    ASSERT_EQ(onepass_in(folder, render({"-o", "still.npy"})).exit_code, 0);
+    const auto frame = [&](const std::string& name) {
+        return read_bytes(folder.path() / (name + ".npy"));
+    };
+    EXPECT_TRUE(frame("0") == frame("still"));
+    EXPECT_TRUE(frame("0") == frame("4"));
+    EXPECT_FALSE(frame("0") == frame("1"));
+    EXPECT_FALSE(frame("1") == frame("3"));
+}
+
+TEST_P(RenderFrames, resumed_leave_whole_files_alone) {
+    const TemporaryFolder folder;
+    folder.write("1.npy", "kept");
+    const Outcome outcome =
+        onepass_in(folder, render({"--frames", "0..2", "--resume", "-o", "%d.npy"}));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(read_bytes(folder.path() / "1.npy"), "kept");
+    EXPECT_NE(outcome.out.find("1 frames were there already"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("2 of 2 frames agree"), std::string::npos) << outcome.out;
+    EXPECT_EQ(leftovers(folder), (std::vector<std::string>{"0.npy", "1.npy", "2.npy"}));
+
+    ASSERT_EQ(onepass_in(folder, render({"--frames", "0..2", "-o", "%d.npy"})).exit_code, 0);
+    EXPECT_NE(read_bytes(folder.path() / "1.npy"), "kept") << "done anew without --resume";
+}
+
+TEST_P(RenderFrames, end_after_a_whole_frame_when_interrupted) {
+    const TemporaryFolder folder;
+    const pid_t child =
+        start(folder, render({"--frames", "0..9999999", "-o", "%d.npy", "--json", "r.json"}));
+    const auto third = folder.path() / "2.npy";
+    for (int k = 0; k < 6000 && !std::filesystem::exists(third); ++k) usleep(10000);  // a minute
+    kill(child, SIGINT);
+    const Outcome outcome = finish(folder, child);
+    EXPECT_EQ(outcome.exit_code, 130) << outcome.err;
+    const Results results = read_results(folder.path() / "r.json");
+    EXPECT_FALSE(results.manifest.complete);
+    EXPECT_EQ(leftovers(folder).size(), results.images.size() + 1)
+        << "a file a frame, and the JSON";
+    EXPECT_GE(results.images.size(), 3u);
+    const auto size = std::filesystem::file_size(folder.path() / "0.npy");
+    for (size_t k = 0; k < results.images.size(); ++k) {
+        EXPECT_EQ(std::filesystem::file_size(folder.path() / fmt::format("{}.npy", k)), size);
+    }
+}
+
+TEST(RenderFramesOptions, are_refused_before_anything_is_rendered) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> render = {"render", "balls-1", "-s", "embree", "--size", "8x8"};
+    const auto frames = [&](const std::vector<std::string>& more) {
+        return with(with(render, {"--frames", "0..3"}), more);
+    };
+    for (const char* pattern : {"a.npy", "a.%d.%d.npy", "a.%5d.npy", "a.%x.npy", "a.%"}) {
+        expect_refused(folder, frames({"-o", pattern}), "%04d");
+    }
+    expect_refused(folder, frames({"-o", "a.%d.jpeg"}), ".jpeg");
+    expect_refused(folder, frames({"-o", "missing/a.%d.npy"}), "missing");
+    for (const char* range : {"3..2", "a..b", "1..", "..", "0..99999999999"}) {
+        expect_refused(folder, with(render, {"--frames", range, "-o", "%d.npy"}), "A..B");
+    }
+    expect_refused(folder, frames({"--fps", "0", "-o", "%d.npy"}), "--fps");
+    expect_refused(folder, with(render, {"--resume", "-o", "a.npy"}), "--frames");
+    expect_refused(folder,
+                   {"render", "instances", "-s", "embree", "--frames", "0..3", "-o", "%d.npy"},
+                   "nothing moves");
+    expect_refused(folder, {"check", "instances", "-s", "embree/fast", "--frames", "0..3"},
+                   "nothing moves");
+}
+
+TEST(CheckFrames, takes_each_frame_as_a_scene_of_its_own) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        onepass_in(folder, {"check", "balls-1", "-s", "embree/fast", "--size", "32x32", "--frames",
+                            "5..6", "--rays", "primary", "--rays", "random", "--json", "r.json"});
+    EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 1) << outcome.err;
+    const Results results = read_results(folder.path() / "r.json");
+    ASSERT_EQ(results.checks.size(), 4u);
+    EXPECT_EQ(results.checks[0].scene, "balls-1, frame 5");
+    EXPECT_EQ(results.checks[3].scene, "balls-1, frame 6");
+    EXPECT_NE(results.scenes[0].hash, "");
+    for (const CheckRecord& check : results.checks) EXPECT_EQ(check.errors(), 0u) << check.scene;
+    EXPECT_NE(outcome.out.find("balls-1, frame 6, primary rays"), std::string::npos) << outcome.out;
+}
+
 TEST(Check, prints_every_class_and_writes_results) {
     const TemporaryFolder folder;
     const Outcome outcome = onepass_in(folder, with(kSmallCheck, {"--json", "run.json"}));
@@ -257,6 +394,21 @@ TEST(Check, fails_with_exit_code_1_when_a_bound_is_broken) {
     const Outcome outcome = onepass_in(folder, check);
     EXPECT_EQ(outcome.exit_code, 1);
     EXPECT_NE(outcome.out.find("> 10"), std::string::npos) << outcome.out;
+}
+
+TEST(Check, says_where_wrong_rays_come_from_and_which_tracer_has_no_image) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        onepass_in(folder, {"check", "instances", "-s", "paper/texture2d/fragment", "-s",
+                            "brute_force", "--rays", "primary", "--size", "64x64", "--attribute"});
+    EXPECT_EQ(outcome.exit_code, 1) << outcome.err;
+    EXPECT_NE(outcome.out.find("gone with --param edge_tolerance=1"), std::string::npos)
+        << outcome.out;
+    EXPECT_NE(outcome.out.find("  0 rays unattributed"), std::string::npos) << outcome.out;
+    EXPECT_NE(outcome.out.find("brute_force/texture2d/fragment: answers rays only"),
+              std::string::npos)
+        << outcome.out;
+    EXPECT_EQ(outcome.out.find("paper/texture2d/fragment: answers rays only"), std::string::npos);
 }
 
 TEST(Check, answers_nan_rays_and_counts_them) {
@@ -326,6 +478,72 @@ TEST(Report, makes_a_page_from_results) {
     EXPECT_NE(read_bytes(folder.path() / "page.html").find("balls-1"), std::string::npos);
 }
 
+TEST(Reproduce, makes_data_and_page_keeps_its_parts_and_takes_up_where_it_was) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> reproduce = {"reproduce", "-o",      "out/paper", "--quick",
+                                                "--scene",   "balls-1", "--claim",   "cpu-tracer"};
+    const Outcome first = onepass_in(folder, reproduce);
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    EXPECT_NE(first.out.find("cpu-tracer"), std::string::npos) << first.out;
+    const auto out = folder.path() / "out/paper";
+    const Results results = read_results(out / "partial.json");
+    ASSERT_EQ(results.claims.size(), 1u);
+    EXPECT_FALSE(results.claims[0].measurements.empty());
+    EXPECT_EQ(results.timings.size(), 6u) << "three kinds of rays, by two tracers";
+    EXPECT_NE(read_bytes(out / "partial.html").find("id=\"claims\""), std::string::npos);
+
+    // The page alone, from the data.
+    const Outcome page =
+        onepass_in(folder, {"report", "out/paper/partial.json", "-o", "again.html"});
+    EXPECT_EQ(page.exit_code, 0) << page.err;
+
+    // A part that is gone is made again, the other one is kept.
+    std::filesystem::remove(out / "parts/claim-cpu-tracer.json");
+    const Outcome second = onepass_in(folder, reproduce);
+    EXPECT_NE(second.err.find("scene-balls-1: kept"), std::string::npos) << second.err;
+    EXPECT_EQ(second.err.find("claim-cpu-tracer: kept"), std::string::npos) << second.err;
+    EXPECT_EQ(read_results(out / "partial.json").timings[0].wall_ms, results.timings[0].wall_ms);
+
+    // Other options make another run.
+    const Outcome third = onepass_in(folder, with(reproduce, {"--seed", "7"}));
+    EXPECT_NE(third.err.find("made again: it was made with other options"), std::string::npos);
+    const Outcome fresh = onepass_in(folder, with(reproduce, {"--seed", "7", "--fresh"}));
+    EXPECT_EQ(fresh.err.find("kept"), std::string::npos) << fresh.err;
+}
+
+TEST(Reproduce, stopped_keeps_what_was_finished_and_goes_on_from_there) {
+    const TemporaryFolder folder;
+    std::vector<std::string> reproduce = {"reproduce", "-o", "out", "--quick"};
+    for (const char* scene : {"balls-1", "instances", "big-small"}) {
+        reproduce = with(reproduce, {"--scene", scene});
+    }
+    const pid_t child = start(folder, reproduce);
+    const auto part = folder.path() / "out/parts/scene-balls-1.json";
+    for (int tick = 0; tick < 6000 && !std::filesystem::exists(part); ++tick) usleep(10000);
+    kill(child, SIGINT);
+    const Outcome stopped = finish(folder, child);
+    EXPECT_EQ(stopped.exit_code, 130) << stopped.err;
+    EXPECT_NE(stopped.err.find("of 3 steps"), std::string::npos) << stopped.err;
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "out/partial.json"));
+
+    const Outcome resumed = onepass_in(folder, reproduce);
+    EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+    EXPECT_NE(resumed.err.find("scene-balls-1: kept"), std::string::npos) << resumed.err;
+    EXPECT_EQ(read_results(folder.path() / "out/partial.json").scenes.size(), 3u);
+}
+
+TEST(Reproduce, refuses_what_it_does_not_know_and_lists_what_it_does) {
+    const TemporaryFolder folder;
+    expect_refused(folder, {"reproduce"}, "-o DIR");
+    expect_refused(folder, {"reproduce", "--claim", "world-peace"}, "world-peace");
+    expect_refused(folder, {"reproduce", "-o", "out", "--entry", "vertex"}, "vertex");
+    const Outcome list = onepass_in(folder, {"reproduce", "--list"});
+    EXPECT_EQ(list.exit_code, 0);
+    for (const char* id : {"single-pass", "early-out", "brute-force", "moving-objects"}) {
+        EXPECT_NE(list.out.find(id), std::string::npos) << id;
+    }
+}
+
 TEST(Report, refuses_what_is_no_result) {
     const TemporaryFolder folder;
     folder.write("bad.json", "{\"schema_version\": 1");
@@ -349,6 +567,25 @@ TEST(List, shows_strategies_with_parameters_and_scenes_with_counts) {
     const std::string scenes = onepass_in(folder, {"list", "scenes"}).out;
     EXPECT_NE(scenes.find("balls-1"), std::string::npos);
     EXPECT_NE(scenes.find("31200"), std::string::npos);
+    EXPECT_NE(scenes.find("are not public"), std::string::npos);
+}
+
+TEST(ScenesExport, writes_a_scene_flat_or_with_a_mesh_for_each_instance) {
+    const TemporaryFolder folder;
+    const auto exported = [&](const std::string& form) {
+        EXPECT_EQ(
+            onepass_in(folder, {"scenes", "export", "balls-1", form, "-o", "balls.glb"}).exit_code,
+            0);
+        return load_scene_file(folder.path() / "balls.glb").scene;
+    };
+    const Scene flat = exported("--flat");
+    EXPECT_EQ(flat.instances.size(), 1u);
+    EXPECT_EQ(instanced_triangle_count(flat), 31200u);
+    const Scene copies = exported("--unshared");
+    EXPECT_EQ(copies.objects.size(), 10u);
+    EXPECT_EQ(copies.instances.size(), 10u);
+    expect_refused(folder, {"scenes", "export", "balls-1", "--flat", "--unshared", "-o", "a.glb"},
+                   "--unshared");
 }
 
 TEST(Interrupt, ends_a_long_run_with_whole_results_that_say_so) {

@@ -1,4 +1,5 @@
 // GL objects against a real context: what goes in comes out, and what cannot be is said aloud.
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -305,6 +306,27 @@ TEST_F(GlObjects, a_uniform_of_another_type_is_an_error) {
     EXPECT_EQ(error_of([&] { program.set_uniform("scale", 1.0f); }).expected, "at most 1 x vec3");
     const Texture integers = texture_2d("t", TexelFormat::r32ui, 1, 1);
     EXPECT_EQ(error_of([&] { program.set_texture("table", integers); }).got, "1 x usampler2D");
+}
+
+TEST_F(GlObjects, a_region_is_replaced_and_nothing_else) {
+    const Texture plane =
+        texture_2d("plane", TexelFormat::rg16f, kWidth, kHeight, ramp(2 * kWidth * kHeight));
+    update_region(plane, {1, 2, 0}, {3, 1, 1}, ramp(6, 8.0f));
+    std::vector<float> expected = ramp(2 * kWidth * kHeight);
+    std::ranges::copy(ramp(6, 8.0f), expected.begin() + 2 * (2 * kWidth + 1));
+    EXPECT_EQ(read_floats(plane), expected);
+
+    constexpr uint32_t kDepth = 4;
+    const size_t texels = kWidth * kHeight * kDepth;
+    const Texture box =
+        texture_3d("box", TexelFormat::rgba32f, {kWidth, kHeight, kDepth}, ramp(4 * texels));
+    update_region(box, {2, 1, 1}, {1, 2, 2}, ramp(16, -3.0f));
+    expected = ramp(4 * texels);
+    for (uint32_t i = 0; i < 4; ++i) {
+        const uint32_t texel = 2 + kWidth * (1 + i % 2 + kHeight * (1 + i / 2));
+        for (uint32_t c = 0; c < 4; ++c) expected[4 * texel + c] = ramp(16, -3.0f)[4 * i + c];
+    }
+    EXPECT_EQ(read_floats(box), expected);
 }
 
 TEST_F(GlObjects, a_launch_with_nothing_for_a_sampler_is_an_error) {

@@ -22,8 +22,8 @@ Files strategy_files(const std::string& key = "", const std::string& replacement
     for (const std::string line :
          {"strategy: demo", "summary: a demonstration: of front matter", "source: none",
           "structure: grid", "storage: flat", "entries: fragment compute", "gl: 4.3", "twin: yes",
-          "param: slack real 1.004 upper bound of la + lb",
-          "param: mode choice(a,b) b which way"}) {
+          "param: slack real 1.004 upper bound of la + lb", "param: mode choice(a,b) b which way",
+          "deviation: D1 slack=1 edges are loose", "deviation: D2 mode=a goes the wrong way"}) {
         const bool replaced = !key.empty() && line.starts_with(key + ":");
         if (replaced && replacement.empty()) continue;
         text += "//! " + (replaced ? replacement : line) + "\n";
@@ -240,6 +240,19 @@ TEST(FrontMatter, every_line_is_read) {
               (ParamInfo{"slack", ParamInfo::Type::real, "1.004", "upper bound of la + lb", {}}));
     EXPECT_EQ(info.params[1],
               (ParamInfo{"mode", ParamInfo::Type::choice, "b", "which way", {"a", "b"}}));
+    ASSERT_EQ(info.deviations.size(), 2u);
+    EXPECT_EQ(info.deviations[0].id, "D1");
+    EXPECT_EQ(info.deviations[0].param, "slack");
+    EXPECT_EQ(info.deviations[0].value, "1");
+    EXPECT_EQ(info.deviations[0].summary, "edges are loose");
+    EXPECT_EQ(info.deviations[1].id, "D2");
+    EXPECT_TRUE(info.by_default);
+}
+
+TEST(FrontMatter, a_strategy_can_be_for_named_use_only) {
+    Files files = strategy_files();
+    files["strategies/demo.glsl"] = "//! default: no\n" + files["strategies/demo.glsl"];
+    EXPECT_FALSE(ShaderLibrary(files).strategies().at(0).by_default);
 }
 
 TEST(FrontMatter, a_strategy_without_a_twin_gives_the_reason) {
@@ -287,6 +300,13 @@ TEST(FrontMatter, each_bad_line_is_an_error_with_its_place_and_what_was_got) {
         {"param", "param: slack choice(a,b) c s", file + ":9", "the default \"c\""},
         {"param", "param: slack real 1 s", file + ":10", "a second parameter \"slack\""},
         {"storage", "storage: flat tall", file, "the storage \"tall\", but no file"},
+        {"deviation", "deviation: D1 slack=1", file + ":11", "\"D1 slack=1\""},
+        {"deviation", "deviation: D1 slack 1 loose", file + ":11", "\"D1 slack 1 loose\""},
+        {"deviation", "deviation: D1 slak=1 loose", file + ":11", "the parameter \"slak\""},
+        {"deviation", "deviation: D1 slack=one loose", file + ":11", "the value \"one\""},
+        {"deviation", "deviation: D1 mode=c loose", file + ":11", "the value \"c\""},
+        {"deviation", "deviation: D1 slack=1.004 loose", file + ":11", "the value \"1.004\""},
+        {"deviation", "deviation: D1 slack=1 loose", file + ":12", "a second deviation \"D1\""},
     };
     for (const BadLine& bad : bad_lines) {
         SCOPED_TRACE(bad.replacement.empty() ? "without " + bad.key : bad.replacement);

@@ -1,6 +1,5 @@
 // The twins: bit-identical to the shaders on a software renderer, and strict about fetches.
 #include <cmath>
-#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -8,6 +7,7 @@
 #include "core/shading.h"
 #include "gpu_glsl/prepared_strategy.h"
 #include "gpu_glsl/twin_tracer.h"
+#include "tests/support/awkward_rays.h"
 #include "tests/support/strategy_fixture.h"
 
 namespace onepass::twin {
@@ -22,30 +22,6 @@ namespace {
 constexpr const char* kScenes[] = {"balls-1", "instances", "big-small", "bunny", "cornell"};
 
 ScenePtr load_named(const char* name) { return share(load_scene(name).scene); }
-
-/// Rays that tracers dislike: along axes, from inside cell planes, of zero length, not finite.
-std::vector<Ray> awkward_rays(const Scene& scene) {
-    const Bounds box = scene_bounds(scene);
-    const float nan = std::numeric_limits<float>::quiet_NaN();
-    std::vector<Ray> rays;
-    const vec3 axes[] = {{1, 0, 0},  {0, 1, 0}, {0, 0, 1}, {-1, 0, 0}, {0, -1, 0},
-                         {0, 0, -1}, {1, 1, 0}, {0, 1, 1}, {1, 0, -1}};
-    for (const vec3& axis : axes) {
-        for (float s = 0.05f; s < 1.0f; s += 0.1f) {
-            const vec3 inside = box.lower + box.extent() * s;
-            rays.push_back({inside, 0.0f, axis, kInfinity});
-            rays.push_back({inside - axis * box.diagonal(), 0.0f, axis, kInfinity});
-        }
-    }
-    for (const vec3& bad : {vec3(nan), vec3(kInfinity), vec3(0.0f), vec3(nan, 1, 0)}) {
-        rays.push_back({box.centre(), 0.0f, bad, kInfinity});
-        rays.push_back({bad, 0.0f, vec3(0, -1, 0), kInfinity});
-    }
-    rays.push_back({box.centre(), nan, vec3(0, -1, 0), kInfinity});
-    rays.push_back({box.centre(), 0.0f, vec3(0, -1, 0), nan});
-    rays.push_back({box.centre(), 2.0f, vec3(0, -1, 0), 1.0f});
-    return rays;
-}
 
 class TwinOnSoftware : public GlTest {
   protected:

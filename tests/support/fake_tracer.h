@@ -20,6 +20,9 @@ class FakeTracer final : public Tracer {
 
     std::function<Hit(const Ray&)> answer = [](const Ray&) { return Hit{}; };
     double cast_ms = 1.0;
+    double frame_ms = 1.0;          ///< of each render, which adds the name to `log` as well
+    std::vector<Stat> frame_costs;  ///< of each render
+    vec3 color{0.0f};               ///< of every pixel
     std::vector<std::string>* log = nullptr;
     Capabilities abilities;
     std::vector<Stat> figures;
@@ -54,7 +57,12 @@ class FakeTracer final : public Tracer {
         Frame frame;
         frame.width = settings.width;
         frame.height = settings.height;
-        frame.color.resize(size_t{frame.width} * frame.height);
+        if (log) log->push_back(name_);
+        frame.color.resize(size_t{frame.width} * frame.height, color);
+        if (settings.aovs) frame.counters.resize(frame.color.size(), cost);
+        frame.wall_ms = frame_ms;
+        frame.device_ms = std::numeric_limits<double>::quiet_NaN();
+        frame.costs = frame_costs;
         return frame;
     }
 

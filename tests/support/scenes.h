@@ -65,6 +65,21 @@ inline std::vector<uint32_t> float_bits(const Scene& scene) {
         add_affine(camera.world_from_camera);
         add(camera.vertical_fov);
     }
+    for (const AnimatedNode& node : scene.animation.nodes) {
+        add_affine(node.parent_from_base);
+        add_vector(node.translation);
+        add_vector(vec3(node.rotation));
+        add(node.rotation.w);
+        add_vector(node.scale);
+    }
+    for (const AnimationChannel& channel : scene.animation.channels) {
+        for (float time : channel.times) add(time);
+        for (const vec4& value : channel.values) add_vector(vec3(value));
+        for (const vec4& value : channel.values) add(value.w);
+    }
+    for (const CarriedInstance& carried : scene.animation.carried) {
+        add_affine(carried.node_from_object);
+    }
     add_vector(scene.background);
     add_vector(scene.ambient);
     return bits;

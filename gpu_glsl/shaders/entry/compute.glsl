@@ -1,5 +1,5 @@
 // Entry: one image in one dispatch. An invocation is a pixel.
-#include "lib/shading.glsl"
+#include "lib/trace_pixel.glsl"
 
 layout(local_size_x = 32, local_size_y = 4) in;
 

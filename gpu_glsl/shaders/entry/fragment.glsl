@@ -1,5 +1,5 @@
 // Entry: one image in one draw. A fragment is a pixel.
-#include "lib/shading.glsl"
+#include "lib/trace_pixel.glsl"
 
 layout(location = 0) out vec4 out_color;
 layout(location = 1) out vec4 out_hit;       // t, u, v

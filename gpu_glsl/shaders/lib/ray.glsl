@@ -23,8 +23,13 @@ const uint kNoId = 0xFFFFFFFFu;
 Hit no_hit() { return Hit(infinity(), 0.0, 0.0, kNoId, kNoId); }
 bool is_hit(Hit hit) { return hit.inst_id != kNoId; }
 
-// Work done since the last reset_counters(). A strategy counts as it goes; the compiler drops it all
-// when count_work is false.
+// What a path's ray is for: the light that a shadow ray goes to, or kSurfaceRay, which stands for a
+// primary or reflection ray. A shadow ray ends at its light, the others nowhere.
+const int kSurfaceRay = -1;
+float path_tmax(int light) { return light == kSurfaceRay ? infinity() : 1.0; }
+
+// Work done since the last reset_counters(). A strategy counts as it goes; the compiler drops it
+// all when count_work is false.
 CONSTANT(bool, count_work)
 uint cells_visited;
 uint triangle_tests;

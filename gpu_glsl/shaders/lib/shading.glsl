@@ -1,8 +1,8 @@
-// The whole ray tree of a pixel in one loop: primary, shadow and reflection rays.
+// Phong shading, and the ray tree of a pixel ray by ray: primary, shadow and reflection rays.
 //
-// Adinetz & Berezin, section 4: one fragment shader traces everything through one ray-casting
-// procedure. So there is one call of closest_hit() below, and the loop around it decides what the
-// next ray is for. core/shading.h states the same model over callables; a test compares the two.
+// next_ray() takes the answer to one ray and says what the next one is for. Who casts the rays is
+// left open: lib/trace_pixel.glsl does it in a loop of one pass, streaming/shade.glsl in many
+// passes. core/shading.h states the same model over callables; a test compares the two.
 #pragma once
 #include "lib/camera.glsl"
 #include "lib/math.glsl"
@@ -37,13 +37,14 @@ vec3 world_normal(ShadingInstance instance, vec3 n) {
     return unit(instance.row0 * n.x + instance.row1 * n.y + instance.row2 * n.z);
 }
 
-SurfacePoint surface_point(Ray ray, Hit hit) {
+// The surface at `position`, where a ray of direction `dir` met it; `hit` says on which triangle.
+SurfacePoint surface_point(vec3 position, vec3 dir, Hit hit) {
     ShadingInstance instance = fetch_shading_instance(hit.inst_id);
     TriangleNormals normals = fetch_normals(instance.first_triangle + int(hit.prim_id));
 
     // Both normals look towards the side the ray comes from.
     vec3 geometric = world_normal(instance, normals.geometric);
-    if (dot3(geometric, ray.dir) > 0.0) geometric = -geometric;
+    if (dot3(geometric, dir) > 0.0) geometric = -geometric;
     vec3 shading = geometric;
     if (smooth_normals) {
         shading = world_normal(instance, normals.n0 * (1.0 - hit.u - hit.v) + normals.n1 * hit.u +
@@ -51,9 +52,7 @@ SurfacePoint surface_point(Ray ray, Hit hit) {
         if (dot3(shading, geometric) < 0.0) shading = -shading;
     }
 
-    vec3 position = ray.org + ray.dir * hit.t;
-    return SurfacePoint(position, geometric, shading, unit(-ray.dir),
-                        position + geometric * ray_offset,
+    return SurfacePoint(position, geometric, shading, unit(-dir), position + geometric * ray_offset,
                         fetch_material(instance.first_material + normals.group));
 }
 
@@ -69,63 +68,73 @@ vec3 phong(SurfacePoint point, Light light) {
     return color * light.intensity;
 }
 
-Pixel trace_pixel(ivec2 pixel) {
-    const int kSurfaceRay = -1;
-    Ray ray = primary_ray(pixel);
-    Pixel result = Pixel(vec3(0.0), no_hit(), vec3(0.0));
+// A pixel's ray tree while it is being traced: everything that must be known between two rays.
+//
+// One ray is in flight at a time. A single pass keeps a Path in registers; a multi-pass tracer
+// stores it between passes, and makes `point` and `contribution` again.
+struct Path {
+    Pixel pixel;
     SurfacePoint point;
-    vec3 direct = vec3(0.0);        // light gathered at `point` so far
-    vec3 contribution = vec3(0.0);  // of the light that the shadow ray in flight asks for
-    float weight = 1.0;             // of what the mirrors so far let through
-    int light = kSurfaceRay;        // the light a shadow ray goes to
-    int depth = 0;
+    vec3 direct;        // light gathered at `point` so far
+    vec3 contribution;  // of the light that the shadow ray in flight asks for
+    float weight;       // of what the mirrors so far let through
+    int light;          // the light a shadow ray goes to, or kSurfaceRay
+    int depth;          // mirrors so far
+};
 
-    int ray_budget = (max_depth + 1) * (light_count + 1);
-    for (int i = 0; i < ray_budget; ++i) {
-        Hit hit = closest_hit(ray);
-        ++rays_cast;
+Path begin_path() {
+    Path path;
+    path.pixel = Pixel(vec3(0.0), no_hit(), vec3(0.0));
+    path.direct = vec3(0.0);
+    path.contribution = vec3(0.0);
+    path.weight = 1.0;
+    path.light = kSurfaceRay;
+    path.depth = 0;
+    return path;
+}
 
-        if (light == kSurfaceRay) {
-            // A primary or reflection ray: go on from the surface it found.
-            if (depth == 0) result.primary = hit;
-            if (!is_hit(hit)) {
-                result.color += background * weight;
-                break;
-            }
-            point = surface_point(ray, hit);
-            if (depth == 0) result.normal = point.shading_normal;
-            direct = point.material.diffuse * ambient;
-        } else if (!is_hit(hit)) {
-            // A shadow ray that reached its light.
-            direct += contribution;
+// Takes the answer to the path's ray, and makes the next ray. False if the path has ended.
+bool next_ray(INOUT(Path) path, Hit hit, INOUT(Ray) ray) {
+    if (path.light == kSurfaceRay) {
+        // A primary or reflection ray: go on from the surface it found.
+        if (path.depth == 0) path.pixel.primary = hit;
+        if (!is_hit(hit)) {
+            path.pixel.color += background * path.weight;
+            return false;
         }
-
-        // The next shadow ray: to the next light that can contribute.
-        bool cast_shadow_ray = false;
-        for (++light; light < light_count; ++light) {
-            Light source = fetch_light(light);
-            contribution = phong(point, source);
-            if (contribution.x == 0.0 && contribution.y == 0.0 && contribution.z == 0.0) continue;
-            if (shadows) {
-                ray = Ray(point.origin, 0.0, source.position - point.origin, 1.0);
-                cast_shadow_ray = true;
-                break;
-            }
-            direct += contribution;
-        }
-        if (cast_shadow_ray) continue;
-
-        // All lights asked: the mirror's share goes on, the rest stays here.
-        bool reflects = point.material.reflectivity > 0.0 && depth < max_depth;
-        float reflectivity = reflects ? point.material.reflectivity : 0.0;
-        result.color += direct * (weight * (1.0 - reflectivity));
-        if (!reflects) break;
-        weight *= reflectivity;
-        vec3 n = point.shading_normal;
-        vec3 incoming = -point.to_eye;
-        ray = Ray(point.origin, 0.0, incoming - n * (2.0 * dot3(incoming, n)), infinity());
-        light = kSurfaceRay;
-        ++depth;
+        path.point = surface_point(ray.org + ray.dir * hit.t, ray.dir, hit);
+        if (path.depth == 0) path.pixel.normal = path.point.shading_normal;
+        path.direct = path.point.material.diffuse * ambient;
+    } else if (!is_hit(hit)) {
+        // A shadow ray that reached its light.
+        path.direct += path.contribution;
     }
-    return result;
+
+    // The next shadow ray: to the next light that can contribute.
+    for (++path.light; path.light < light_count; ++path.light) {
+        Light source = fetch_light(path.light);
+        path.contribution = phong(path.point, source);
+        vec3 c = path.contribution;
+        if (c.x == 0.0 && c.y == 0.0 && c.z == 0.0) continue;
+        if (shadows) {
+            ray = Ray(path.point.origin, 0.0, source.position - path.point.origin,
+                      path_tmax(path.light));
+            return true;
+        }
+        path.direct += path.contribution;
+    }
+
+    // All lights asked: the mirror's share goes on, the rest stays here.
+    bool reflects = path.point.material.reflectivity > 0.0 && path.depth < max_depth;
+    float reflectivity = reflects ? path.point.material.reflectivity : 0.0;
+    path.pixel.color += path.direct * (path.weight * (1.0 - reflectivity));
+    if (!reflects) return false;
+    path.weight *= reflectivity;
+    path.light = kSurfaceRay;
+    ++path.depth;
+    vec3 n = path.point.shading_normal;
+    vec3 incoming = -path.point.to_eye;
+    ray = Ray(path.point.origin, 0.0, incoming - n * (2.0 * dot3(incoming, n)),
+              path_tmax(path.light));
+    return true;
 }

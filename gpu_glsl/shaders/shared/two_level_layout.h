@@ -2,7 +2,8 @@
 #pragma once
 
 // Four planes: the triangle's own (unit normal), then the sides as barycentric coordinates: the
-// weights of v1, v2 and v0.
+// weights of v1, v2 and v0. The printed test reads three; the fourth texel is (v0, 0) where planes
+// are relative to v0 (local_planes), and ends in the triangle's number where lists hold copies.
 const int kTriangleTexels = 4;
 
 // (a, step budget), (b, first triangle), (lower, 0), (upper, 0); see strategies/paper.glsl.

@@ -11,6 +11,15 @@
 //! param: accumulate_ts integer 1 add up the plane distances of the cell walk (D9); 0 recomputes them
 //! param: step_ties integer 1 step all axes that tie at once (D9); 0 steps one axis at a time
 //! param: guard_zero integer 0 replace direction components near zero before dividing (D8)
+//! param: local_planes integer 0 store planes relative to the triangle's first corner (D18)
+//! param: edge_slack real 0 tolerance of every edge, in units of its rounding (D19)
+//! deviation: D11 edge_tolerance=1 la + lb may exceed 1 by 0.4 %
+//! deviation: D10 clip_to_cell=0 a hit counts only inside the current cell
+//! deviation: D9a accumulate_ts=0 plane distances are added up and drift
+//! deviation: D9b step_ties=0 a tie steps several axes at once
+//! deviation: D8 guard_zero=1 a direction component of 0 divides to infinity or NaN
+//! deviation: D19 edge_slack=3 edges have no tolerance for rounding
+//! deviation: D18 local_planes=1 planes are in absolute object coordinates
 
 // The paper's ray casting procedure.
 //
@@ -18,7 +27,7 @@
 // grid over its triangles. A ray walks the first; in each cell it meets instances; for each of those
 // it is taken to object space and walks the second; in each cell it meets triangles.
 //
-// Numbers D1 to D17 refer to the deviation table of gpu_glsl/README.md: where the printed text cannot
+// Numbers D1 to D19 refer to the deviation table of gpu_glsl/README.md: where the printed text cannot
 // run, what stands here instead, and which of its behaviours are kept behind a switch. The chapters:
 // walking a grid, the triangle test, the object level, and below the top level, where it begins.
 #pragma once

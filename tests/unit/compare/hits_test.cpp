@@ -74,7 +74,7 @@ struct OneOfEachClass {
 TEST(CompareHits, agrees_without_the_judge_on_equal_hits_and_on_common_misses) {
     const auto rays = numbered_rays(2);
     const CastResult same = cast_of({hit_at(1.0f), Hit{}});
-    const auto [record, classes] =
+    const auto [record, classes, wrong] =
         compare_hits(rays, Query::closest, same, same, unwanted_judge(), without_sample());
     EXPECT_EQ(count(record, HitClass::agree), 2u);
     EXPECT_EQ(record.judged, 0u);
@@ -92,7 +92,7 @@ TEST(CompareHits, agrees_up_to_sixteen_ulps_of_t_and_judges_beyond) {
         judged.push_back(ray.org.x);
         return verdict_of(HitClass::t_error);
     });
-    const auto [record, classes] =
+    const auto [record, classes, wrong] =
         compare_hits(rays, Query::closest, answers, oracle, judge, without_sample());
     EXPECT_EQ(judged, (std::vector<float>{1.0f, 1.0f})) << "both answers of ray 1, none of ray 0";
     EXPECT_EQ(classes[0], HitClass::agree);
@@ -102,7 +102,7 @@ TEST(CompareHits, agrees_up_to_sixteen_ulps_of_t_and_judges_beyond) {
 
 TEST(CompareHits, keeps_every_class_apart) {
     const OneOfEachClass setup;
-    const auto [record, classes] =
+    const auto [record, classes, wrong] =
         compare_hits(setup.rays, Query::closest, setup.answers, setup.oracle, setup.judge);
     for (size_t c = 0; c < kHitClassCount; ++c) {
         EXPECT_EQ(record.classes[c].count, 1u) << to_string(static_cast<HitClass>(c));
@@ -203,7 +203,7 @@ TEST(CompareHits, counts_rays_the_oracle_cannot_take_in_no_class) {
     const CastResult answers = cast_of({hit_at(1.0f), hit_at(5.0f, 5), hit_at(1.0f)});
     CastResult oracle = cast_of({hit_at(1.0f), Hit{}, hit_at(1.0f)});
     oracle.flags[1] = kFlagOracleInvalid;
-    const auto [record, classes] =
+    const auto [record, classes, wrong] =
         compare_hits(rays, Query::closest, answers, oracle, unwanted_judge(), without_sample());
     EXPECT_EQ(record.oracle_invalid, 1u);
     EXPECT_EQ(count(record, HitClass::agree), 2u);

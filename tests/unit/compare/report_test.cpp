@@ -15,6 +15,7 @@
 
 #include "compare/report/html.h"
 #include "compare/report/pictures.h"
+#include "compare/report/sections.h"
 #include "core/error.h"
 
 namespace onepass {
@@ -267,6 +268,101 @@ Results sample_tune_run() {
     refused.object_density = 4096.0;
     refused.failure = "paper: got 2,900 blocks, expected at most 4096 <of 16^3>";
     run.sweeps.push_back(refused);
+    return run;
+}
+
+ClaimMeasurement sample_measurement(Expectation expectation, double ratio, ClaimVerdict verdict) {
+    ClaimMeasurement m;
+    m.scene = "balls-1";
+    m.work = "primary";
+    m.quantity = "time";
+    m.unit = "ms";
+    m.baseline = "paper/texture2d";
+    m.variant = "streaming/texture2d (steps_per_pass=1)";
+    m.baseline_samples = m.again_samples = std::vector<double>(9, 36.5);
+    m.variant_samples = std::vector<double>(9, 36.5 * ratio);
+    m.ratio = ratio;
+    m.ratio_low = ratio * 0.96;
+    m.ratio_high = ratio * 1.04;
+    m.noise = 0.02;
+    m.expectation = expectation;
+    m.verdict = verdict;
+    m.rays = 65536;
+    m.baseline_errors = 181;
+    return m;
+}
+
+ClaimRecord sample_claim(const std::string& id, const std::string& entry, ClaimVerdict verdict) {
+    return {id,
+            entry,
+            "An <invented> claim of " + id,
+            "section 4",
+            "10 % on ATI",
+            "by an invented rule",
+            "b against a: time × 3",
+            "onepass reproduce --claim " + id,
+            verdict,
+            {sample_measurement(Expectation::above, 3.0, verdict)}};
+}
+
+Results sample_paper_run() {
+    Results run;
+    run.manifest = sample_manifest("reproduce");
+    using enum ClaimVerdict;
+    for (const std::string entry : {"fragment", "compute"}) {
+        run.claims.push_back(sample_claim("single-pass", entry, holds));
+        run.claims.push_back(sample_claim("early-out", entry, fails));
+        run.claims.push_back(sample_claim("two-levels", entry, depends));
+        run.claims.push_back(sample_claim("vectors-4d", entry, not_measured));
+    }
+    ClaimMeasurement& missing = run.claims.back().measurements.front();
+    missing.failure = "no tracer of that name";
+    missing.verdict = not_measured;
+
+    run.scenes.push_back({"balls-1", 31200, 3120, 10, 2, "c0ffee", {}});
+    run.scenes.push_back({"knife", 1600, 1600, 1, 1, "decade", {}});
+    TracerRecord tracer = sample_tracer("balls-1", kFragment);
+    tracer.deviations = {{"D11", "edge_tolerance", "1", "0.4 % of slack on one edge"},
+                         {"D10", "clip_to_cell", "0", "a hit counts only inside its cell"}};
+    run.tracers = {tracer, sample_tracer("balls-1", kRobust)};
+    for (const char* rays : {"primary", "shadow", "reflection"}) {
+        CheckRecord check = sample_check("balls-1", kFragment, rays, 40);
+        check.attribution = {true, {{"D11", 33}, {"D10", 6}}, 1};
+        run.checks.push_back(check);
+        run.timings.push_back(sample_timing("balls-1", kFragment, 0.25));
+        run.timings.back().rays = rays;
+    }
+    ImageRecord image = sample_image("balls-1", kFragment);
+    image.pictures.pop_back();
+    run.images.push_back(image);
+
+    FrameTimingRecord frames;
+    frames.scene = "balls-1";
+    frames.tracer = kFragment;
+    frames.oracle = kRobust;
+    frames.width = frames.height = 512;
+    frames.frames = 1;
+    frames.primary_rays = kRays;
+    frames.secondary_rays = kRays;
+    frames.wall_ms = std::vector<double>(9, 320.0);
+    frames.median_ms = 320.0;
+    frames.frames_per_s = 3.125;
+    frames.ratio = 0.25;
+    frames.compared_pixels = kRays;
+    frames.differing_pixels = 77;
+    run.frame_timings.push_back(frames);
+    frames.tracer = "streaming/texture2d/fragment";
+    frames.setting = "steps_per_pass=1";
+    frames.costs = {{"passes", 1234.0, ""},
+                    {"state_bytes_read", 3.0 * 1048576.0, ""},
+                    {"state_bytes_written", 2.0 * 1048576.0, ""},
+                    {"copy_ms", 200.0, ""}};
+    run.frame_timings.push_back(frames);
+    frames = run.frame_timings.front();
+    frames.frames = 16;
+    frames.update_ms = std::vector<double>(16, 0.75);
+    frames.upload_ms = std::vector<double>(16, 0.25);
+    run.frame_timings.push_back(frames);
     return run;
 }
 
@@ -578,6 +674,90 @@ TEST(ReportPictures, are_base64_as_rfc_4648_has_it) {
     EXPECT_EQ(report::base64("fo"), "Zm8=");
     EXPECT_EQ(report::base64("foobar"), "Zm9vYmFy");
     EXPECT_EQ(report::base64(std::string("\xff\xfe\xfd", 3)), "//79");
+}
+
+// ---- The paper, reproduced.
+
+TEST_F(Report, of_a_reproduction_opens_with_the_claims_and_their_verdicts_in_words) {
+    const std::string page = visible(render({sample_paper_run()}));
+    const size_t claims = page.find("id=\"claims\"");
+    ASSERT_NE(claims, std::string::npos);
+    EXPECT_LT(claims, page.find("id=\"tables\""));
+    EXPECT_LT(page.find("id=\"tables\""), page.find("id=\"summary\""));
+    for (const char* word :
+         {"badge pass\">Holds", "badge fail\">Fails", "badge depends\">Depends",
+          "badge\">Not measured", "10 % on ATI", "by an invented rule", "b against a: time × 3",
+          "onepass reproduce --claim early-out", "no tracer of that name", "not public"}) {
+        EXPECT_NE(page.find(word), std::string::npos) << word;
+    }
+    EXPECT_NE(page.find("An &lt;invented&gt; claim"), std::string::npos) << "escaped";
+    EXPECT_NE(page.find("By fragment shaders"), std::string::npos);
+    EXPECT_NE(page.find("By compute shaders"), std::string::npos) << "fragment and compute apart";
+}
+
+TEST_F(Report, without_claims_says_nothing_of_the_paper) {
+    const std::string page = visible(sample_page());
+    for (const char* id : {"claims", "tables", "figures", "motion", "streaming"}) {
+        EXPECT_EQ(page.find(std::string("<section id=\"") + id + "\""), std::string::npos) << id;
+    }
+}
+
+TEST_F(Report, sets_the_papers_tables_beside_ours) {
+    const std::string page = visible(render({sample_paper_run()}));
+    const std::string tables = page.substr(page.find("id=\"tables\""));
+    EXPECT_NE(tables.find("<td>31,200</td><td>31,200</td>"), std::string::npos) << "as published";
+    EXPECT_NE(tables.find("<td>1,676</td><td class=\"bad\">1,600</td>"), std::string::npos)
+        << "a count that is off is marked";
+    EXPECT_NE(tables.find("<td>5.80</td>"), std::string::npos) << "frames/s then";
+    EXPECT_NE(tables.find("<td>1.52</td>"), std::string::npos) << "Mrays/s then";
+    EXPECT_NE(tables.find("3.12<small>0.250 × Embree"), std::string::npos) << "frames/s now";
+    EXPECT_EQ(count_of(tables.substr(0, tables.find("</section>")), "errors bad"), 3u)
+        << "errors beside each of the three speeds";
+    EXPECT_NE(tables.find("not measured"), std::string::npos) << "the other scenes";
+}
+
+TEST_F(Report, shows_the_figures_once) {
+    const std::string page = visible(render({sample_paper_run()}));
+    EXPECT_EQ(count_of(page, "data:image/png"), 3u) << "image, oracle, difference";
+    EXPECT_NE(page.find("two mirrors that reflect each other"), std::string::npos);
+}
+
+TEST_F(Report, shows_passes_bytes_and_the_copy_of_a_streaming_tracer) {
+    const std::string page = visible(render({sample_paper_run()}));
+    const std::string part = page.substr(page.find("id=\"streaming\""));
+    for (const char* figure :
+         {"1,234", "3.00 MiB", "2.00 MiB", "steps_per_pass=1", "<td>200</td>", "<td>1.60</td>"}) {
+        EXPECT_NE(part.find(figure), std::string::npos) << figure;
+    }
+}
+
+TEST_F(Report, shows_what_moving_objects_costs) {
+    const std::string page = visible(render({sample_paper_run()}));
+    const std::string part = page.substr(page.find("id=\"motion\""));
+    EXPECT_NE(part.find("<td>0.750</td><td>0.250</td>"), std::string::npos);
+    EXPECT_NE(part.find("0.31 %"), std::string::npos) << "1 ms of 320";
+}
+
+TEST_F(Report, counts_wrong_rays_by_deviation_over_all_checks) {
+    const std::string page = visible(render({sample_paper_run()}));
+    const std::string part = page.substr(page.find("id=\"deviations\""));
+    EXPECT_NE(part.find("<code>edge_tolerance=1</code></td><td>99</td>"), std::string::npos);
+    EXPECT_NE(part.find("<code>clip_to_cell=0</code></td><td>18</td>"), std::string::npos);
+    EXPECT_NE(part.find("Unattributed</th><td></td><td></td><td class=\"bad\">3</td>"),
+              std::string::npos);
+    EXPECT_NE(part.find("<td>120</td>"), std::string::npos) << "all wrong rays";
+}
+
+TEST(Support, is_above_1_for_what_speaks_for_the_claim) {
+    using report::support_of;
+    const auto above = support_of(sample_measurement(Expectation::above, 3.0, {}));
+    EXPECT_EQ(above.value, 3.0);
+    EXPECT_DOUBLE_EQ(above.low, 3.0 * 0.96 / 1.02) << "widened by the noise";
+    EXPECT_DOUBLE_EQ(above.high, 3.0 * 1.04 * 1.02);
+    const auto below = support_of(sample_measurement(Expectation::below, 4.0, {}));
+    EXPECT_EQ(below.value, 0.25);
+    EXPECT_LT(below.low, below.high);
+    EXPECT_TRUE(std::isnan(support_of(sample_measurement(Expectation::none, 4.0, {})).value));
 }
 
 }  // namespace

@@ -26,6 +26,7 @@ Results full_results() {
                         "2024-05-06T07:08:09Z",
                         "abc123",
                         true,
+                        "feed",
                         "Release",
                         "12.2.0",
                         "a CPU",
@@ -48,7 +49,8 @@ Results full_results() {
                         true,
                         3,
                         "beef",
-                        {{"build_ms", 1.25, "wall"}}}};
+                        {{"build_ms", 1.25, "wall"}},
+                        {{"D11", "edge_tolerance", "1", "slack"}}}};
     CheckRecord check;
     check.scene = "bunny";
     check.rays = "primary";
@@ -76,6 +78,7 @@ Results full_results() {
     check.exhausted = 35;
     check.passed = true;
     check.picture = "classes.png";
+    check.attribution = {true, {{"D11", 36}, {"D10", 37}}, 38};
     results.checks = {check};
     results.images = {{"bunny",
                        "paper/x/y",
@@ -110,6 +113,62 @@ Results full_results() {
                         2.25,
                         7,
                         8}};
+    FrameTimingRecord frames;
+    frames.scene = "bunny";
+    frames.tracer = "streaming/x/y";
+    frames.oracle = "embree";
+    frames.setting = "steps_per_pass=1";
+    frames.width = 512;
+    frames.height = 256;
+    frames.frames = 3;
+    frames.primary_rays = 4;
+    frames.secondary_rays = 5;
+    frames.wall_ms = {6.5, 7.5};
+    frames.device_ms = {8.5};
+    frames.update_ms = {9.5};
+    frames.upload_ms = {10.5};
+    frames.oracle_wall_ms = {11.5};
+    frames.costs = {{"passes", 12.0, "of all kinds"}};
+    frames.median_ms = 13.5;
+    frames.frames_per_s = 14.5;
+    frames.ratio = 15.5;
+    frames.ratio_low = 16.5;
+    frames.ratio_high = 17.5;
+    frames.differing_pixels = 18;
+    frames.compared_pixels = 19;
+    results.frame_timings = {frames};
+    ClaimMeasurement measurement;
+    measurement.scene = "bunny";
+    measurement.work = "primary";
+    measurement.quantity = "time";
+    measurement.unit = "ms";
+    measurement.baseline = "paper/x";
+    measurement.variant = "paper/y";
+    measurement.size = 0.5;
+    measurement.baseline_samples = {1.5};
+    measurement.variant_samples = {2.5};
+    measurement.again_samples = {3.5};
+    measurement.ratio = std::numeric_limits<double>::infinity();
+    measurement.ratio_low = 5.5;
+    measurement.ratio_high = 6.5;
+    measurement.noise = 0.125;
+    measurement.expectation = Expectation::possible;
+    measurement.bound = 7.5;
+    measurement.verdict = ClaimVerdict::fails;
+    measurement.rays = 8;
+    measurement.baseline_errors = 9;
+    measurement.variant_errors = 10;
+    measurement.failure = "refused";
+    results.claims = {{"single-pass",
+                       "fragment",
+                       "it is so",
+                       "section 4",
+                       "10 %",
+                       "by rule",
+                       "11 %",
+                       "onepass reproduce",
+                       ClaimVerdict::depends,
+                       {measurement}}};
     results.sweeps = {{"bunny",
                        "primary",
                        "paper/x/y",
@@ -163,15 +222,30 @@ TEST(ResultsJson, reads_back_what_was_written) {
     EXPECT_EQ(again.images[0].pictures, results.images[0].pictures);
     EXPECT_EQ(again.timings[0].oracle_wall_ms, results.timings[0].oracle_wall_ms);
     EXPECT_EQ(again.sweeps[0].failure, "refused");
+    ASSERT_EQ(again.tracers[0].deviations.size(), 1u);
+    EXPECT_EQ(again.tracers[0].deviations[0].param, "edge_tolerance");
+    EXPECT_EQ(again.tracers[0].deviations[0].summary, "slack");
+    EXPECT_EQ(check.attribution.by_deviation, results.checks[0].attribution.by_deviation);
+    EXPECT_EQ(again.frame_timings[0].upload_ms, (std::vector<double>{10.5}));
+    EXPECT_EQ(again.frame_timings[0].costs, results.frame_timings[0].costs);
+    const ClaimRecord& claim = again.claims[0];
+    EXPECT_EQ(claim.verdict, ClaimVerdict::depends);
+    EXPECT_EQ(claim.measurements[0].expectation, Expectation::possible);
+    EXPECT_EQ(claim.measurements[0].verdict, ClaimVerdict::fails);
+    EXPECT_TRUE(std::isinf(claim.measurements[0].ratio));
 }
 
 TEST(ResultsJson, holds_every_member_of_every_record) {
     const auto document = nlohmann::json::parse(to_json(full_results()));
-    EXPECT_EQ(document.size(), 8u) << "the version and the members of Results";
-    EXPECT_EQ(document["manifest"].size(), 16u);
+    EXPECT_EQ(document.size(), 10u) << "the version and the members of Results";
+    EXPECT_EQ(document["manifest"].size(), 17u);
     EXPECT_EQ(document["scenes"][0].size(), 7u);
-    EXPECT_EQ(document["tracers"][0].size(), 10u);
-    EXPECT_EQ(document["checks"][0].size(), 17u);
+    EXPECT_EQ(document["tracers"][0].size(), 11u);
+    EXPECT_EQ(document["checks"][0].size(), 18u);
+    EXPECT_EQ(document["checks"][0]["attribution"].size(), 3u);
+    EXPECT_EQ(document["frame_timings"][0].size(), 22u);
+    EXPECT_EQ(document["claims"][0].size(), 10u);
+    EXPECT_EQ(document["claims"][0]["measurements"][0].size(), 21u);
     EXPECT_EQ(document["images"][0].size(), 18u);
     EXPECT_EQ(document["timings"][0].size(), 15u);
     EXPECT_EQ(document["sweeps"][0].size(), 17u);
@@ -211,9 +285,9 @@ TEST_P(TamperedJson, is_refused_with_its_place) {
 INSTANTIATE_TEST_SUITE_P(
     ResultsJson, TamperedJson,
     testing::Values(
-        Tampered{"version", "\"schema_version\": 1", "\"schema_version\": 2", "schema_version"},
-        Tampered{"no_version", "\"schema_version\": 1,", "", "schema_version"},
-        Tampered{"unknown_record", "\"schema_version\": 1,", "\"schema_version\": 1, \"extra\": 2,",
+        Tampered{"version", "\"schema_version\": 2", "\"schema_version\": 1", "schema_version"},
+        Tampered{"no_version", "\"schema_version\": 2,", "", "schema_version"},
+        Tampered{"unknown_record", "\"schema_version\": 2,", "\"schema_version\": 2, \"extra\": 2,",
                  "extra"},
         Tampered{"missing_field", "\"commit\": \"abc123\",", "", "manifest.commit"},
         Tampered{"unknown_field", "\"dirty\":", "\"dirt\": 1, \"dirty\":", "dirt"},
@@ -225,6 +299,10 @@ INSTANTIATE_TEST_SUITE_P(
         Tampered{"number_for_bool", "\"dirty\": true", "\"dirty\": 1", "manifest.dirty"},
         Tampered{"unknown_class", "\"hit_class\": \"false_hit\"", "\"hit_class\": \"fine\"",
                  "verdict.hit_class"},
+        Tampered{"unknown_verdict", "\"verdict\": \"depends\"", "\"verdict\": \"maybe\"",
+                 "claims[0].verdict"},
+        Tampered{"unknown_expectation", "\"expectation\": \"possible\"",
+                 "\"expectation\": \"better\"", "measurements[0].expectation"},
         Tampered{"class_left_out", "\"false_hit\": 14,", "", "oracle_classes.false_hit"},
         Tampered{"word_for_number", "\"rmse\": 0.5", "\"rmse\": \"small\"", "images[0].rmse"},
         Tampered{"object_for_list", "\"sweeps\": [", "\"sweeps\": {}, \"x\": [", "sweeps"},

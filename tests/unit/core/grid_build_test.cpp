@@ -270,6 +270,15 @@ TEST(TwoLevelGrid, holds_one_grid_an_object_and_one_over_the_instances) {
     EXPECT_GT(grid.build_ms, 0.0);
 }
 
+TEST(TwoLevelGrid, counts_the_object_grids_it_builds) {
+    const Scene scene = random_scene();
+    const uint64_t before = triangle_grids_built();
+    build_two_level_grid(scene, {});
+    EXPECT_EQ(triangle_grids_built() - before, scene.objects.size());
+    build_box_grid(instance_bounds(scene), {});
+    EXPECT_EQ(triangle_grids_built() - before, scene.objects.size());
+}
+
 TEST(TwoLevelGrid, has_the_same_bits_for_any_thread_count) {
     const Scene scene = random_scene();
     const auto build = [&] { return build_two_level_grid(scene, {}); };

@@ -1,10 +1,10 @@
 // Walking a grid (Adinetz & Berezin, figure 2): from cell to cell by the distances of the exit planes.
 //
-// Both levels walk with this. Numbers D1 to D17 refer to the deviation table of gpu_glsl/README.md.
+// Both levels walk with this, in any storage: the storage comes first in the text. Numbers D1 to D19
+// refer to the deviation table of gpu_glsl/README.md.
 #pragma once
 #include "lib/math.glsl"
 #include "lib/ray.glsl"
-#include "storage/two_level_grid/texture2d.glsl"
 
 CONSTANT(int, accumulate_ts)
 CONSTANT(int, step_ties)

@@ -1,0 +1,64 @@
+// What all GPU tracers have in common: scene textures and rays to the device, hits and pixels back.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/tracer.h"
+#include "gpu_glsl/gl/objects.h"
+#include "gpu_glsl/pack/shader_inputs.h"
+
+namespace onepass {
+
+gl::TexelFormat texel_format(const TextureData& texture);
+gl::Texture upload_texture(const TextureData& texture);
+
+/// Rays of one chunk of a batch. Fragment: two textures, a ray a texel. Compute: one buffer.
+struct ChunkOnDevice {
+    size_t count = 0;
+    uint32_t width = 0;  ///< of the textures
+    uint32_t height = 0;
+    std::optional<gl::Texture> origins;
+    std::optional<gl::Texture> directions;
+    std::optional<gl::Buffer> buffer;
+};
+
+struct RaysOnDevice {
+    std::vector<ChunkOnDevice> chunks;
+};
+
+ChunkOnDevice upload_to_textures(std::span<const Ray> rays);
+ChunkOnDevice upload_to_buffer(std::span<const Ray> rays);
+
+/// The records of entry/cast_compute.glsl and entry/compute.glsl (std430).
+struct HitRecord {
+    vec4 hit;
+    glm::uvec4 ids;
+    glm::uvec4 counters;
+};
+static_assert(sizeof(HitRecord) == 48);
+
+struct PixelRecord {
+    vec4 color;
+    vec4 hit;
+    glm::uvec4 ids;
+    vec4 normal;
+    glm::uvec4 counters;
+};
+static_assert(sizeof(PixelRecord) == 80);
+
+/// Adds the answers to `count` rays: from the targets of entry/cast_fragment.glsl, or from
+/// HitRecords. Returns the sum of ids.w, where a shader may leave a count of its own.
+uint64_t append_hits(const gl::Framebuffer& answers, size_t count, bool counters,
+                     CastResult& result);
+uint64_t append_hits(const gl::Buffer& answers, size_t count, bool counters, CastResult& result);
+
+/// Adds rows of pixels: from the targets of entry/fragment.glsl, or from PixelRecords. Returns as
+/// append_hits; 0 without AOVs.
+uint64_t append_pixels(const gl::Framebuffer& pixels, bool aovs, Frame& frame);
+uint64_t append_pixels(const gl::Buffer& pixels, size_t count, bool aovs, Frame& frame);
+
+}  // namespace onepass
