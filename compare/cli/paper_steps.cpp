@@ -12,7 +12,7 @@
 #include "compare/manifest.h"
 #include "compare/paper_figures.h"
 #include "core/error.h"
-#include "cpu_ref/double_judge.h"
+#include "cpu_ref/exact_judge.h"
 #include "scenes/scenes.h"
 #include "scenes/shapes.h"
 
@@ -215,7 +215,7 @@ Workshop make_workshop(const Session& session, const PaperEffort& effort) {
     };
     workshop.referees = [&session](const ScenePtr& scene) {
         return Referees{session.catalogue.at(kOracleName).make(scene, {}),
-                        make_double_judge(scene)};
+                        make_exact_judge(scene)};
     };
     workshop.poses = evenly_posed;
     workshop.timing = effort.timing;

@@ -12,7 +12,7 @@
 #include "compare/images.h"
 #include "compare/manifest.h"
 #include "compare/statistics.h"
-#include "cpu_ref/double_judge.h"
+#include "cpu_ref/exact_judge.h"
 
 namespace onepass::cli {
 namespace {
@@ -65,7 +65,7 @@ struct FrameRun {
         const RaySet rays = make_ray_set(
             "primary", *scene, *oracle,
             {stage.settings.width, stage.settings.height, options.camera, session.globals.seed});
-        const std::unique_ptr<Judge> judge = make_double_judge(scene);
+        const std::unique_ptr<Judge> judge = make_exact_judge(scene);
         const auto answers = [&](Tracer& tracer) {
             return tracer.cast(tracer.upload(rays.rays), {.query = rays.query});
         };

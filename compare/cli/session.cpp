@@ -73,7 +73,7 @@ std::vector<Affine> move_to_frame(Court& court, uint32_t frame, double frames_pe
     court.oracle->update(transforms);
     court.open.scene = std::make_shared<const Scene>(scene_at(scene, time_s));
     court.open.name = court.open.record.name = frame_name(court.open.name, frame);
-    court.judge = make_double_judge(court.open.scene);
+    court.judge = make_exact_judge(court.open.scene);
     return transforms;
 }
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_ref/double_judge.h"
+#include "cpu_ref/exact_judge.h"
 #include "cpu_ref/embree_tracer.h"
 #include "tests/support/strategy_fixture.h"
 
@@ -18,7 +18,7 @@ struct Subject {
     explicit Subject(const std::string& name)
         : scene(share(load_scene(name).scene)),
           oracle(embree_tracers().front().make(scene, {})),
-          judge(make_double_judge(scene)) {}
+          judge(make_exact_judge(scene)) {}
 
     RaySet rays(const std::string& kind) const {
         return make_ray_set(kind, *scene, *oracle, {.width = 160, .height = 160, .seed = 1});

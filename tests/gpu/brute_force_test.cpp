@@ -3,7 +3,7 @@
 
 #include "compare/hits.h"
 #include "core/error.h"
-#include "cpu_ref/double_judge.h"
+#include "cpu_ref/exact_judge.h"
 #include "cpu_ref/embree_tracer.h"
 #include "scenes/shapes.h"
 #include "tests/support/errors.h"
@@ -36,7 +36,7 @@ TEST_F(BruteForce, finds_what_the_paper_finds_without_its_slack_and_its_cells) {
         std::vector<Ray> rays = primary_rays(*scene, 24, 24);
         for (const Ray& ray : random_rays(scene_bounds(*scene), 500, 5)) rays.push_back(ray);
         const CastResult truth = cast(*embree_tracers().front().make(scene, {}), rays);
-        const auto judge = make_double_judge(scene);
+        const auto judge = make_exact_judge(scene);
         const auto classes_of = [&](const std::string& name, const ParamValues& params) {
             const CastResult answers = cast(*make(name, scene, params), rays);
             return compare_hits(rays, Query::closest, answers, truth, *judge,

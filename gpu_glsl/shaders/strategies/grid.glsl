@@ -6,6 +6,7 @@
 //! entries: fragment compute
 //! gl: 4.0
 //! twin: yes
+//! default: no
 
 // A grid tracer that loses nothing: the same two levels as the paper's, with every place where
 // rounding could lose or invent a hit closed.

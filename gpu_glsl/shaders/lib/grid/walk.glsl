@@ -7,7 +7,6 @@
 #pragma once
 #include "lib/math.glsl"
 #include "lib/ray.glsl"
-#include "storage/two_level_grid/buffer.glsl"
 
 // A part of the ray, in t.
 struct Span {

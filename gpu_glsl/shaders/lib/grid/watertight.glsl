@@ -8,7 +8,6 @@
 #include "lib/exact.glsl"
 #include "lib/math.glsl"
 #include "lib/ray.glsl"
-#include "storage/two_level_grid/buffer.glsl"
 
 // A ray made ready for testing triangles.
 struct Shear {
