@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "compare/attribution.h"
 #include "compare/cli/options.h"
 #include "compare/frame_timing.h"
 #include "compare/image_io.h"
@@ -51,8 +52,15 @@ struct PaperSceneRun {
     }
 
     CheckRecord check(const Case& subject, size_t tracer) {
-        return check_tracer(court, subject, *tracers[tracer], {.seed = session.globals.seed})
-            .record;
+        HitComparison comparison =
+            check_tracer(court, subject, *tracers[tracer], {.seed = session.globals.seed});
+        if (tracer > 0) {  // the oracle declares no deviation
+            comparison.record.attribution =
+                attribute_errors(comparison.wrong, subject.rays.query, *court.judge,
+                                 suspects_of(*entries[tracer - 1], court.open.scene, {}))
+                    .record;
+        }
+        return comparison.record;
     }
 
     void measure_rays(const std::string& kind, const Progress& progress) {

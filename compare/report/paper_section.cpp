@@ -388,7 +388,8 @@ std::string motion_section(const Dossier& dossier) {
     return "<section id=\"motion\">\n<h2>Moving objects</h2>\n"
            "<p>Each frame moves the instances: the top level is rebuilt and brought to the device, "
            "what was built for the objects stays. Medians over all frames.</p>\n"
-           "<figure class=\"chart\"><figcaption><strong>Where a frame’s time goes, ms</strong></figcaption>"
+           "<figure class=\"chart\"><figcaption><strong>Where a frame’s time goes, "
+           "ms</strong></figcaption>"
            "<div class=\"plot\" data-chart=\"motion\"><canvas role=\"img\" aria-label=\"Update, "
            "upload and trace of a frame; the table holds the same figures.\"></canvas></div>"
            "</figure>\n" +

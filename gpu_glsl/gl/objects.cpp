@@ -374,11 +374,16 @@ LaunchTime finish_and_time(const GlContext& context, const std::function<void()>
     if (timer) glGenQueries(1, &id);
     const Handle query(id, [](GLuint q) { glDeleteQueries(1, &q); });
 
-    // Launch.
+    // Launch. A launch that throws must not leave the query running: no other could begin.
     glFinish();
     const auto start = std::chrono::steady_clock::now();
     if (timer) glBeginQuery(GL_TIME_ELAPSED, id);
-    launch();
+    try {
+        launch();
+    } catch (...) {
+        if (timer) glEndQuery(GL_TIME_ELAPSED);
+        throw;
+    }
     if (timer) glEndQuery(GL_TIME_ELAPSED);
     glFinish();
     const auto end = std::chrono::steady_clock::now();
