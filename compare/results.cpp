@@ -176,10 +176,38 @@ void fields(A& a, SweepPoint& p) {
 }
 
 template <class A>
+void fields(A& a, FailureCount& f) {
+    a("kind", f.kind), a("count", f.count);
+}
+
+template <class A>
+void fields(A& a, RungRecord& r) {
+    a("knob", r.knob), a("label", r.label), a("tracer", r.tracer), a("setting", r.setting);
+    a("trials", r.trials), a("ties", r.ties), a("edges", r.edges), a("failures", r.failures);
+    a("refusal", r.refusal), a("worst", r.worst);
+}
+
+template <class A>
+void fields(A& a, LadderRecord& l) {
+    a("id", l.id), a("title", l.title), a("question", l.question), a("knob", l.knob);
+    a("unit", l.unit), a("log_axis", l.log_axis), a("judge", l.judge), a("command", l.command);
+    a("rungs", l.rungs);
+}
+
+template <class A>
+void fields(A& a, TradeoffPoint& p) {
+    a("scene", p.scene), a("rays", p.rays), a("tracer", p.tracer), a("setting", p.setting);
+    a("oracle", p.oracle), a("ray_count", p.ray_count), a("errors", p.errors);
+    a("edges", p.edges), a("wall_ms", p.wall_ms), a("oracle_wall_ms", p.oracle_wall_ms);
+    a("ratio", p.ratio), a("ratio_low", p.ratio_low), a("ratio_high", p.ratio_high);
+}
+
+template <class A>
 void fields(A& a, Results& r) {
     a("manifest", r.manifest), a("scenes", r.scenes), a("tracers", r.tracers);
     a("checks", r.checks), a("images", r.images), a("timings", r.timings);
     a("frame_timings", r.frame_timings), a("claims", r.claims), a("sweeps", r.sweeps);
+    a("ladders", r.ladders), a("tradeoffs", r.tradeoffs);
 }
 
 // Enumerations are written as their names.
@@ -418,6 +446,20 @@ uint64_t CheckRecord::errors() const {
     return sum;
 }
 
+uint64_t RungRecord::failed() const {
+    uint64_t sum = 0;
+    for (const FailureCount& failure : failures) sum += failure.count;
+    return sum;
+}
+
+const RungRecord* breaks_at(const LadderRecord& ladder, const std::string& tracer,
+                            const std::string& setting) {
+    for (const RungRecord& rung : ladder.rungs) {
+        if (rung.tracer == tracer && rung.setting == setting && rung.failed() > 0) return &rung;
+    }
+    return nullptr;
+}
+
 std::string to_json(const Results& results) {
     json document = {{"schema_version", Results::kSchemaVersion}};
     document.update(Writer::write(results));
@@ -425,10 +467,15 @@ std::string to_json(const Results& results) {
 }
 
 Results results_from_json(const std::string& text, const std::string& file_name) {
-    const json document = json::parse(text, nullptr, false);
+    json document = json::parse(text, nullptr, false);
     if (document.is_discarded()) {
         throw Error({file_name, "text that is no JSON", "a result file of onepass",
                      "Name a file written with --json."});
+    }
+    // Version 2 knew no ladders; all else is the same.
+    if (document.is_object() && document.value("schema_version", json()) == 2) {
+        document["schema_version"] = Results::kSchemaVersion;
+        document["ladders"] = document["tradeoffs"] = json::array();
     }
     Reader reader(document, file_name, "");
     int version = 0;

@@ -252,8 +252,65 @@ struct SweepPoint {
     double ratio_high = 0.0;
 };
 
+/// Trials of one rung that failed alike.
+struct FailureCount {
+    std::string kind;  ///< an error class, or "self_hit", "leak", "changed", ...
+    uint64_t count = 0;
+};
+
+/// One tracer on one rung of a ladder (core/ladder.h).
+struct RungRecord {
+    double knob = 0.0;
+    std::string label{};    ///< Rung::label
+    std::string tracer{};   ///< strategy/storage/entry
+    std::string setting{};  ///< parameters other than the defaults, "address=half"; or empty
+    uint64_t trials = 0;    ///< answers looked at: rays, or pairs of answers where two are compared
+    uint64_t ties = 0;
+    uint64_t edges = 0;
+    std::vector<FailureCount> failures{};  ///< kinds that occurred only
+    std::string refusal{};  ///< why the tracer could not take part; else empty, and trials > 0
+    std::optional<WorstRay> worst{};  ///< of the failures{}; absent where no judge looked
+
+    uint64_t failed() const;  ///< sum of the failures
+};
+
+/// What became of one ladder. Rungs in order, and within a rung the tracers in order.
+struct LadderRecord {
+    std::string id;
+    std::string title;
+    std::string question;
+    std::string knob;
+    std::string unit;
+    bool log_axis = true;
+    std::string judge;    ///< Judge::name(); empty where answers are compared among themselves
+    std::string command;  ///< climbs this ladder alone
+    std::vector<RungRecord> rungs;
+};
+
+/// The first rung, in order, on which the tracer failed a trial; null if it failed none. A refusal
+/// is an answer, and no failure.
+const RungRecord* breaks_at(const LadderRecord& ladder, const std::string& tracer,
+                            const std::string& setting);
+
+/// One tracer with one setting on one scene: how fast, and how wrong. Every ray is judged.
+struct TradeoffPoint {
+    std::string scene;
+    std::string rays;
+    std::string tracer;
+    std::string setting;  ///< as in RungRecord
+    std::string oracle;   ///< what the ratio is to
+    uint64_t ray_count = 0;
+    uint64_t errors = 0;  ///< of the error classes
+    uint64_t edges = 0;
+    std::vector<double> wall_ms;
+    std::vector<double> oracle_wall_ms;  ///< of the same rounds
+    double ratio = 0.0;                  ///< as in TimingRecord
+    double ratio_low = 0.0;
+    double ratio_high = 0.0;
+};
+
 struct Results {
-    static constexpr int kSchemaVersion = 2;
+    static constexpr int kSchemaVersion = 3;
     Manifest manifest;
     std::vector<SceneRecord> scenes;
     std::vector<TracerRecord> tracers;
@@ -263,6 +320,8 @@ struct Results {
     std::vector<FrameTimingRecord> frame_timings;
     std::vector<ClaimRecord> claims;
     std::vector<SweepPoint> sweeps;
+    std::vector<LadderRecord> ladders;
+    std::vector<TradeoffPoint> tradeoffs;
 };
 
 /// JSON text of a run. Infinities are the strings "inf" and "-inf", NaN is null; all else reads

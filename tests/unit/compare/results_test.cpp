@@ -186,6 +186,38 @@ Results full_results() {
                        9.5,
                        10.5,
                        11.5}};
+    RungRecord rung{.knob = 100.0,
+                    .label = "-0",
+                    .tracer = "paper/x/y",
+                    .setting = "address=half",
+                    .trials = 4096,
+                    .ties = 3,
+                    .edges = 2,
+                    .failures = {{"leak", 5}},
+                    .refusal = "too large",
+                    .worst = check.classes[4].worst};
+    results.ladders = {{"translation",
+                        "Far away",
+                        "What fails?",
+                        "distance",
+                        "sizes",
+                        false,
+                        "exact",
+                        "onepass stress translation",
+                        {rung}}};
+    results.tradeoffs = {{.scene = "bunny",
+                          .rays = "vertex",
+                          .tracer = "paper/x/y",
+                          .setting = "edge_tolerance=1",
+                          .oracle = "embree",
+                          .ray_count = 1024,
+                          .errors = 7,
+                          .edges = 8,
+                          .wall_ms = {1.0, 2.0},
+                          .oracle_wall_ms = {0.5},
+                          .ratio = 0.5,
+                          .ratio_low = 0.25,
+                          .ratio_high = 0.75}};
     return results;
 }
 
@@ -285,9 +317,9 @@ TEST_P(TamperedJson, is_refused_with_its_place) {
 INSTANTIATE_TEST_SUITE_P(
     ResultsJson, TamperedJson,
     testing::Values(
-        Tampered{"version", "\"schema_version\": 2", "\"schema_version\": 1", "schema_version"},
-        Tampered{"no_version", "\"schema_version\": 2,", "", "schema_version"},
-        Tampered{"unknown_record", "\"schema_version\": 2,", "\"schema_version\": 2, \"extra\": 2,",
+        Tampered{"version", "\"schema_version\": 3", "\"schema_version\": 1", "schema_version"},
+        Tampered{"no_version", "\"schema_version\": 3,", "", "schema_version"},
+        Tampered{"unknown_record", "\"schema_version\": 3,", "\"schema_version\": 3, \"extra\": 2,",
                  "extra"},
         Tampered{"missing_field", "\"commit\": \"abc123\",", "", "manifest.commit"},
         Tampered{"unknown_field", "\"dirty\":", "\"dirt\": 1, \"dirty\":", "dirt"},
@@ -308,6 +340,32 @@ INSTANTIATE_TEST_SUITE_P(
         Tampered{"object_for_list", "\"sweeps\": [", "\"sweeps\": {}, \"x\": [", "sweeps"},
         Tampered{"cut_short", "\"timings\"", "", "JSON"}),
     [](const auto& test) { return test.param.what; });
+
+TEST(ResultsJson, reads_files_from_before_there_were_ladders) {
+    Results results = full_results();
+    results.ladders.clear();
+    results.tradeoffs.clear();
+    nlohmann::ordered_json old = nlohmann::ordered_json::parse(to_json(results));
+    old["schema_version"] = 2;
+    old.erase("ladders");
+    old.erase("tradeoffs");
+    EXPECT_EQ(to_json(results_from_json(old.dump(), "run.json")), to_json(results));
+}
+
+TEST(LadderRecord, breaks_where_a_trial_first_failed_and_not_where_it_was_refused) {
+    LadderRecord ladder;
+    ladder.rungs = {{.knob = 1.0, .tracer = "a", .trials = 9},
+                    {.knob = 1.0, .tracer = "b", .trials = 9, .failures = {{"leak", 2}}},
+                    {.knob = 2.0, .tracer = "a", .refusal = "too large"},
+                    {.knob = 3.0, .tracer = "a", .setting = "k=1", .failures = {{"leak", 1}}},
+                    {.knob = 4.0, .tracer = "a", .failures = {{"leak", 1}, {"changed", 2}}}};
+    ASSERT_NE(breaks_at(ladder, "a", ""), nullptr);
+    EXPECT_EQ(breaks_at(ladder, "a", "")->knob, 4.0);
+    EXPECT_EQ(breaks_at(ladder, "a", "")->failed(), 3u);
+    EXPECT_EQ(breaks_at(ladder, "a", "k=1")->knob, 3.0);
+    EXPECT_EQ(breaks_at(ladder, "b", "")->knob, 1.0);
+    EXPECT_EQ(breaks_at(ladder, "c", ""), nullptr);
+}
 
 TEST(ResultsJson, refuses_json_that_is_something_else) {
     for (const char* text : {"", "[]", "null", "3", "{}", "\"text\""}) {
