@@ -474,7 +474,7 @@ Results results_from_json(const std::string& text, const std::string& file_name)
     }
     // Version 2 knew no ladders; all else is the same.
     if (document.is_object() && document.value("schema_version", json()) == 2) {
-        document["schema_version"] = Results::kSchemaVersion;
+        document["schema_version"] = unsigned{Results::kSchemaVersion};
         document["ladders"] = document["tradeoffs"] = json::array();
     }
     Reader reader(document, file_name, "");

@@ -269,7 +269,7 @@ TEST(ResultsJson, reads_back_what_was_written) {
 
 TEST(ResultsJson, holds_every_member_of_every_record) {
     const auto document = nlohmann::json::parse(to_json(full_results()));
-    EXPECT_EQ(document.size(), 10u) << "the version and the members of Results";
+    EXPECT_EQ(document.size(), 12u) << "the version and the members of Results";
     EXPECT_EQ(document["manifest"].size(), 17u);
     EXPECT_EQ(document["scenes"][0].size(), 7u);
     EXPECT_EQ(document["tracers"][0].size(), 11u);
@@ -277,6 +277,9 @@ TEST(ResultsJson, holds_every_member_of_every_record) {
     EXPECT_EQ(document["checks"][0]["attribution"].size(), 3u);
     EXPECT_EQ(document["frame_timings"][0].size(), 22u);
     EXPECT_EQ(document["claims"][0].size(), 10u);
+    EXPECT_EQ(document["ladders"][0].size(), 9u);
+    EXPECT_EQ(document["ladders"][0]["rungs"][0].size(), 10u);
+    EXPECT_EQ(document["tradeoffs"][0].size(), 13u);
     EXPECT_EQ(document["claims"][0]["measurements"][0].size(), 21u);
     EXPECT_EQ(document["images"][0].size(), 18u);
     EXPECT_EQ(document["timings"][0].size(), 15u);
