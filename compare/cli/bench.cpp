@@ -68,9 +68,17 @@ std::string timing_table(const std::vector<TimingRecord>& records) {
 /// Checks, then times, all contestants on one ray set.
 void bench_case(const Court& court, const Case& subject, const std::vector<Tracer*>& tracers,
                 const TimingOptions& timing, const Progress& progress, Results& results) {
-    std::vector<CheckRecord> checks;
+    std::vector<CastResult> answers;
+    std::vector<std::string> names;
     for (Tracer* tracer : tracers) {
-        checks.push_back(check_tracer(court, subject, *tracer, {.seed = timing.seed}).record);
+        answers.push_back(answers_of(subject, *tracer));
+        names.emplace_back(tracer->name());
+    }
+    std::vector<CheckRecord> checks;
+    for (HitComparison& comparison :
+         check_answers(court, subject, answers, names, {.seed = timing.seed})) {
+        checks.push_back(std::move(comparison.record));
+        checks.back().reference = checks.back().tracer.starts_with("embree/");
     }
     std::vector<TimingRecord> timings = time_casts(tracers, 0, subject.rays, timing, progress);
     if (timings.front().wall_ms.empty()) return;  // stopped before its first round
