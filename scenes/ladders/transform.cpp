@@ -20,7 +20,7 @@ Ladder stretch_ladder() {
                 "a ray's direction has components of very different size.",
             .knob = "largest / smallest factor",
             .unit = "",
-            .rungs = rungs_of(powers_of_ten(0, 7), [](double knob) {
+            .rungs = rungs_of(powers_of_ten(0, 6), [](double knob) {
                 return placed_ball(scaling(vec3(single(knob), 1, 1)));
             })};
 }
@@ -33,7 +33,7 @@ Ladder shear_ladder() {
                 "numbers to find small ones.",
             .knob = "x moved by so many y",
             .unit = "",
-            .rungs = rungs_of(powers_of_ten(0, 7),
+            .rungs = rungs_of(powers_of_ten(0, 6),
                               [](double knob) { return placed_ball(shear_x_by_y(single(knob))); })};
 }
 
@@ -46,8 +46,8 @@ Ladder mirror_ladder() {
                 "flattened along another.",
             .knob = "factor, and its inverse",
             .unit = "",
-            .rungs = rungs_of(powers_of_ten(0, 5), [](double knob) {
-                return placed_ball(scaling(vec3(-single(knob), 1, single(1.0 / knob))));
+            .rungs = rungs_of(powers_of_ten(0, -7), [](double knob) {
+                return placed_ball(scaling(vec3(-1, 1, single(knob))));
             })};
 }
 
@@ -60,7 +60,7 @@ Ladder singular_ladder() {
                 "coincide.",
             .knob = "height of the third column over the others' plane",
             .unit = "",
-            .rungs = rungs_of(powers_of_ten(0, -6, -1), [](double knob) {
+            .rungs = rungs_of(powers_of_ten(0, -6), [](double knob) {
                 Affine flat = affine_identity();
                 flat[2] = vec3(0.6f, 0.8f, single(knob));
                 return placed_ball(flat);
