@@ -11,6 +11,7 @@ void add_doctor(CLI::App& app, Session& session);
 void add_list(CLI::App& app, Session& session);
 void add_render(CLI::App& app, Session& session);
 void add_check(CLI::App& app, Session& session);
+void add_explain(CLI::App& app, Session& session);
 void add_bench(CLI::App& app, Session& session);
 void add_tune(CLI::App& app, Session& session);
 void add_stress(CLI::App& app, Session& session);

@@ -40,6 +40,7 @@ void intersect_instance(uint inst_id, Ray ray, float t_first, float t_last, INOU
     bool done = false;
     for (int steps = step_budget(grid); steps > 0; --steps) {
         count_cell();
+        NOTE_CELL(inst_id, walk.cell);
         CellList list = fetch_cell(grid, walk.cell);
         int k = 0;
         for (; k < list.count; ++k) {
@@ -78,6 +79,7 @@ Hit closest_hit(Ray ray) {
     bool done = false;
     for (int steps = step_budget(grid); steps > 0; --steps) {
         count_cell();
+        NOTE_CELL(kNoId, walk.cell);
         CellList list = fetch_cell(grid, walk.cell);
         Span span = span_in_cell(grid, course, walk.cell);
         // The two levels start their t at different places: give the difference its rounding.

@@ -50,6 +50,7 @@ bool is_nearer(float t, uint prim_id, uint inst_id, Hit hit) {
 void intersect_triangle(Triangle triangle, uint prim_id, uint inst_id, Shear shear, float start,
                         Ray ray, INOUT(Hit) hit) {
     count_test();
+    NOTE_TEST(inst_id, prim_id);
     vec3 a = sheared(shear, triangle.v0);
     vec3 b = sheared(shear, triangle.v1);
     vec3 c = sheared(shear, triangle.v2);
@@ -64,6 +65,7 @@ void intersect_triangle(Triangle triangle, uint prim_id, uint inst_id, Shear she
 
     float t = start + (w0 * a.z + w1 * b.z + w2 * c.z) / area * shear.z;
     if (t >= ray.tmin && t <= ray.tmax && is_nearer(t, prim_id, inst_id, hit)) {
+        NOTE_HIT(t);
         hit = Hit(t, w1 / area, w2 / area, prim_id, inst_id);
     }
 }
