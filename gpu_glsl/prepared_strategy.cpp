@@ -177,8 +177,8 @@ void pack_two_level_as(PreparedStrategy& prepared, const TextureLimits& limits,
                       {"repacks", 0.0, "times the top level outgrew its room"}};
     add_packed(prepared, packed);
     if (moves) {
-        prepared.moving = std::make_unique<MovingTopLevel>(
-            prepared.scene, std::move(grid), sizing.top, std::move(packed.places), options);
+        prepared.moving.emplace<MovingTopLevel>(prepared.scene, std::move(grid), sizing.top,
+                                                std::move(packed.places), options);
     }
 }
 
@@ -197,12 +197,19 @@ void pack_two_level_virtual(PreparedStrategy& prepared, const TextureLimits& lim
 // ---- The two-level grid in buffers -------------------------------------------------------------
 
 void pack_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
-    const TwoLevelGrid grid =
-        build_two_level_grid(*prepared.scene, two_level_sizing(prepared.params));
+    const TwoLevelSizing sizing = two_level_sizing(prepared.params);
+    const uint64_t built_before = triangle_grids_built();
+    const TwoLevelGrid grid = build_two_level_grid(*prepared.scene, sizing);
+    const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
     const auto start = std::chrono::steady_clock::now();
     TwoLevelBuffers packed = pack_two_level_buffers(*prepared.scene, grid, limits);
     prepared.stats = {{"build_ms", grid.build_ms, "both levels, all threads"},
-                      {"pack_ms", ms_since(start), ""}};
+                      {"pack_ms", ms_since(start), ""},
+                      {"object_builds", object_builds, "object grids built so far"},
+                      {"top_builds", 1.0, "top-level grids built so far"}};
+    if (!prepared.scene->animation.empty()) {
+        prepared.moving.emplace<MovingTopBuffers>(prepared.scene, grid, sizing.top, packed, limits);
+    }
     add_packed(prepared, packed);
 }
 
@@ -294,7 +301,7 @@ PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::strin
                               .inputs = {},
                               .param_constants = {},
                               .stats = {},
-                              .moving = nullptr};
+                              .moving = {}};
     for (const ParamInfo& param : info.params) {
         prepared.param_constants.push_back(param_constant(param, prepared.params));
     }
@@ -328,7 +335,7 @@ std::vector<ivec3> cells_of_triangle(const PreparedStrategy& prepared, uint32_t 
 
 TopLevelMove plan_move(const PreparedStrategy& prepared,
                        std::span<const Affine> world_from_object) {
-    if (!prepared.moving) {
+    if (std::holds_alternative<std::monostate>(prepared.moving)) {
         const bool moves = !prepared.scene->animation.empty();
         throw Error(
             {fmt::format("moving instances with {}/{}", prepared.info.name, prepared.storage),
@@ -338,16 +345,18 @@ TopLevelMove plan_move(const PreparedStrategy& prepared,
              "Make a new tracer of the moved scene."});
     }
     const uint64_t built_before = triangle_grids_built();
-    TopLevelMove move = prepared.moving->plan(world_from_object);
+    const auto* textures = std::get_if<MovingTopLevel>(&prepared.moving);
+    TopLevelMove move =
+        textures != nullptr ? textures->plan(world_from_object)
+                            : std::get<MovingTopBuffers>(prepared.moving).plan(world_from_object);
     const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
-    move.counts = {{"object_builds", object_builds, ""},
-                   {"top_builds", 1.0, ""},
-                   {"repacks", move.repacked ? 1.0 : 0.0, ""}};
+    move.counts = {{"object_builds", object_builds, ""}, {"top_builds", 1.0, ""}};
+    if (textures != nullptr) move.counts.push_back({"repacks", move.repacked ? 1.0 : 0.0, ""});
     return move;
 }
 
 void commit_move(PreparedStrategy& prepared, TopLevelMove move) {
-    prepared.moving->commit(move);
+    if (auto* textures = std::get_if<MovingTopLevel>(&prepared.moving)) textures->commit(move);
     prepared.inputs.apply(std::move(move.changes));
     for (const Stat& count : move.counts) {
         find_stat(prepared.stats, count.name).value += count.value;

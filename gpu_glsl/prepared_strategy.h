@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "core/catalogue.h"
@@ -25,7 +26,8 @@ struct PreparedStrategy {
     ShaderInputs inputs;                              ///< the structure's and the shading tables
     std::vector<gl::ShaderConstant> param_constants;  ///< the strategy's own parameters
     std::vector<Stat> stats;
-    std::unique_ptr<MovingTopLevel> moving;  ///< what moving takes; null: it does not move
+    /// What moving takes; nothing: it does not move.
+    std::variant<std::monostate, MovingTopLevel, MovingTopBuffers> moving;
 
     /// The roots of a shader: storage, strategy, then the entry.
     std::vector<std::string> files_with(const std::string& entry_file) const;

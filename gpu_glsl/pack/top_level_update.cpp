@@ -125,4 +125,37 @@ void MovingTopLevel::commit(TopLevelMove& move) {
     if (move.repacked) places_ = std::move(*move.repacked);
 }
 
+MovingTopBuffers::MovingTopBuffers(ScenePtr scene, const TwoLevelGrid& grid,
+                                   const GridSizing& top_sizing, const TwoLevelBuffers& packed,
+                                   const TextureLimits& limits)
+    : scene_(std::move(scene)),
+      frames_(object_frames(grid)),
+      top_sizing_(top_sizing),
+      limits_(limits),
+      object_cells_(packed.object_cells),
+      object_references_(packed.object_references) {
+    for (const Object& object : scene_->objects) object_boxes_.push_back(object_bounds(object));
+}
+
+TopLevelMove MovingTopBuffers::plan(std::span<const Affine> world_from_object) const {
+    const MovedInstances moved = move_instances(*scene_, object_boxes_, world_from_object);
+    const UniformGrid top = build_box_grid(moved.boxes, top_sizing_);
+
+    ShaderInputs inputs = pack_top_buffers(*scene_, world_from_object, top, frames_, limits_);
+    TopLevelMove move;
+    for (const TextureData& texture : inputs.textures) {
+        move.stats.push_back({texture.name + "_bytes", static_cast<double>(texture.bytes()), ""});
+    }
+    move.changes.remade = std::move(inputs.textures);
+    move.changes.uniforms = std::move(inputs.uniforms);
+    move.changes.boxes.push_back(
+        whole_texture(pack_shading_instances(*scene_, moved.object_from_world, limits_)));
+    move.changes.uniforms.push_back({"ray_offset", secondary_offset(bounds_of(moved.boxes))});
+
+    move.stats.push_back({"cells", static_cast<double>(object_cells_ + top.cell_count()), ""});
+    move.stats.push_back(
+        {"references", static_cast<double>(object_references_ + top.references.size()), ""});
+    return move;
+}
+
 }  // namespace onepass

@@ -14,6 +14,7 @@
 #include "core/affine.h"
 #include "core/catalogue.h"
 #include "core/grid/two_level_grid.h"
+#include "gpu_glsl/pack/two_level_buffers.h"
 #include "gpu_glsl/pack/two_level_textures.h"
 
 namespace onepass {
@@ -59,6 +60,26 @@ class MovingTopLevel {
     uint64_t object_cells_ = 0;  ///< of all object grids
     uint64_t object_references_ = 0;
     uint32_t longest_object_list_ = 0;
+};
+
+/// The same for a scene packed into buffers, where the top level has its own: they are made anew at
+/// every move, and no room can be outgrown.
+class MovingTopBuffers {
+  public:
+    MovingTopBuffers(ScenePtr scene, const TwoLevelGrid& grid, const GridSizing& top_sizing,
+                     const TwoLevelBuffers& packed, const TextureLimits& limits);
+
+    /// As MovingTopLevel::plan(). Cost: O(instances + top-level cells and references).
+    TopLevelMove plan(std::span<const Affine> world_from_object) const;
+
+  private:
+    ScenePtr scene_;
+    std::vector<Bounds> object_boxes_;  ///< in object space
+    std::vector<GridFrame> frames_;     ///< of the objects' grids
+    GridSizing top_sizing_;
+    TextureLimits limits_;
+    uint64_t object_cells_ = 0;
+    uint64_t object_references_ = 0;
 };
 
 }  // namespace onepass

@@ -1,7 +1,8 @@
 #include "gpu_glsl/pack/two_level_buffers.h"
 
 #include <algorithm>
-#include <numeric>
+#include <array>
+#include <cmath>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -13,16 +14,9 @@ namespace {
 
 #include "gpu_glsl/shaders/shared/grid_buffers_layout.h"
 
-/// Grid 0 is the top level, grid 1 + k that of object k.
-std::vector<const UniformGrid*> all_grids(const TwoLevelGrid& grid) {
-    std::vector<const UniformGrid*> grids = {&grid.top};
-    for (const UniformGrid& object : grid.objects) grids.push_back(&object);
-    return grids;
-}
-
-/// The origin of a grid's frame, in the frame the grid was built in. On each axis: the lower bound,
-/// if the numbers of the box are within a factor of 2 of each other, so that subtracting it is
-/// exact (Sterbenz); else 0, and then no number of the box is larger than twice its extent.
+/// On each axis: the lower bound, if the numbers of the box are within a factor of 2 of each other,
+/// so that subtracting it is exact (Sterbenz); else 0, and then no number of the box is larger than
+/// twice its extent.
 dvec3 frame_origin(const UniformGrid& grid) {
     dvec3 origin(0.0);
     for (int axis = 0; axis < 3; ++axis) {
@@ -35,47 +29,97 @@ dvec3 frame_origin(const UniformGrid& grid) {
     return origin;
 }
 
+/// The largest coordinate becomes 1/2 to 1, so that areas and volumes neither overflow nor vanish.
+GridFrame object_frame(const UniformGrid& grid) {
+    GridFrame frame{.origin = frame_origin(grid)};
+    const dvec3 size = glm::max(glm::abs(dvec3(grid.bounds.lower) - frame.origin),
+                                glm::abs(dvec3(grid.bounds.upper) - frame.origin));
+    // Beyond this the numbers of a plain transform would leave the range of float.
+    constexpr int kMostBinaryPlaces = 100;
+    const int exponent = std::ilogb(std::max({size.x, size.y, size.z})) + 1;
+    frame.scale = std::ldexp(1.0, -std::clamp(exponent, -kMostBinaryPlaces, kMostBinaryPlaces));
+    return frame;
+}
+
 /// Where each grid's share of a buffer begins, and at the end the whole length.
 template <class Count>
-std::vector<uint64_t> starts_of(const std::vector<const UniformGrid*>& grids, const Count& count) {
+std::vector<uint64_t> starts_of(const std::vector<UniformGrid>& grids, const Count& count) {
     std::vector<uint64_t> starts = {0};
-    for (const UniformGrid* grid : grids) starts.push_back(starts.back() + count(*grid));
+    for (const UniformGrid& grid : grids) starts.push_back(starts.back() + count(grid));
     return starts;
 }
 
-/// (first reference, number of them) of every cell of every grid.
-TextureData pack_cells(const std::vector<const UniformGrid*>& grids,
+/// (first reference, number of them) of every cell.
+void put_cells(uint32_t* out, const UniformGrid& grid, uint64_t first_reference) {
+    const auto base = static_cast<uint32_t>(first_reference);
+    tbb::parallel_for(tbb::blocked_range<uint64_t>(0, grid.cell_count(), 1 << 14),
+                      [&](const auto& range) {
+                          for (uint64_t i = range.begin(); i != range.end(); ++i) {
+                              out[2 * i] = base + grid.cell_begin[i];
+                              out[2 * i + 1] = grid.cell_begin[i + 1] - grid.cell_begin[i];
+                          }
+                      });
+}
+
+TextureData pack_cells(const std::vector<UniformGrid>& grids,
                        const std::vector<uint64_t>& first_cell,
                        const std::vector<uint64_t>& first_reference, const TextureLimits& limits) {
     TextureData cells = make_word_buffer("cells", "cells", first_cell.back(), 2, limits);
-    for (size_t g = 0; g < grids.size(); ++g) {
-        const UniformGrid& grid = *grids[g];
-        uint32_t* out = &cells.words[2 * first_cell[g]];
-        const auto base = static_cast<uint32_t>(first_reference[g]);
-        tbb::parallel_for(tbb::blocked_range<uint64_t>(0, grid.cell_count(), 1 << 14),
-                          [&](const auto& range) {
-                              for (uint64_t i = range.begin(); i != range.end(); ++i) {
-                                  out[2 * i] = base + grid.cell_begin[i];
-                                  out[2 * i + 1] = grid.cell_begin[i + 1] - grid.cell_begin[i];
-                              }
-                          });
+    for (size_t k = 0; k < grids.size(); ++k) {
+        put_cells(&cells.words[2 * first_cell[k]], grids[k], first_reference[k]);
     }
     return cells;
 }
 
-TextureData pack_references(const std::vector<const UniformGrid*>& grids,
+TextureData pack_references(const std::vector<UniformGrid>& grids,
                             const std::vector<uint64_t>& first_reference,
                             const TextureLimits& limits) {
     TextureData references =
         make_word_buffer("references", "references", first_reference.back(), 1, limits);
-    for (size_t g = 0; g < grids.size(); ++g) {
-        std::copy(grids[g]->references.begin(), grids[g]->references.end(),
-                  references.words.begin() + static_cast<ptrdiff_t>(first_reference[g]));
+    for (size_t k = 0; k < grids.size(); ++k) {
+        std::copy(grids[k].references.begin(), grids[k].references.end(),
+                  references.words.begin() + static_cast<ptrdiff_t>(first_reference[k]));
     }
     return references;
 }
 
-/// Triangle corners in the frames of their grids: exact, see frame_origin().
+void put(float* texel, const dvec3& v) {
+    for (int c = 0; c < 3; ++c) texel[c] = static_cast<float>(v[c]);
+}
+
+/// True if the sum is exactly 0. Each number is added without rounding to a list of numbers that
+/// do not overlap (Shewchuk 1997, grow-expansion).
+bool sums_to_zero(const std::array<double, 6>& numbers) {
+    std::array<double, 6> parts{};
+    size_t count = 0;
+    for (double sum : numbers) {
+        for (size_t i = 0; i < count; ++i) {
+            const double part = parts[i];
+            const double total = sum + part;
+            const double of_part = total - sum;
+            parts[i] = (sum - (total - of_part)) + (part - of_part);
+            sum = total;
+        }
+        parts[count++] = sum;
+    }
+    return std::all_of(parts.begin(), parts.end(), [](double part) { return part == 0.0; });
+}
+
+/// True if the corners lie in a line. Products of two floats are exact in double.
+bool has_no_area(const dvec3& a, const dvec3& b, const dvec3& c) {
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3;
+        if (!sums_to_zero({a[i] * b[j], -a[j] * b[i], b[i] * c[j], -b[j] * c[i], c[i] * a[j],
+                           -c[j] * a[i]})) {
+            return false;
+        }
+    }
+    return true;
+}
+
+/// Triangle corners in the frames of their grids: exact. A triangle without area is hit by no ray
+/// (cpu_ref/exact_truth.h has the same rule), but rounding could give it one: it is stored as a
+/// point.
 TextureData pack_vertices(const Scene& scene, const TwoLevelGrid& grid,
                           const std::vector<uint64_t>& first_triangle,
                           const TextureLimits& limits) {
@@ -83,17 +127,20 @@ TextureData pack_vertices(const Scene& scene, const TwoLevelGrid& grid,
                                              first_triangle.back() * kTriangleVertexTexels, limits);
     for (size_t k = 0; k < scene.objects.size(); ++k) {
         const Object& object = scene.objects[k];
-        const dvec3 origin = frame_origin(grid.objects[k]);
+        const GridFrame frame = object_frame(grid.objects[k]);
         float* const out = &vertices.texels[4 * kTriangleVertexTexels * first_triangle[k]];
         tbb::parallel_for(
             tbb::blocked_range<size_t>(0, object.triangles.size(), 1 << 12),
             [&](const auto& range) {
                 for (size_t i = range.begin(); i != range.end(); ++i) {
-                    for (int v = 0; v < kTriangleVertexTexels; ++v) {
-                        const vec3 p(dvec3(object.positions[object.triangles[i][v]]) - origin);
-                        float* texel =
-                            out + 4 * (kTriangleVertexTexels * i + static_cast<size_t>(v));
-                        for (int c = 0; c < 3; ++c) texel[c] = p[c];
+                    const uvec3& corners = object.triangles[i];
+                    std::array<dvec3, kTriangleVertexTexels> points = {
+                        object.positions[corners.x], object.positions[corners.y],
+                        object.positions[corners.z]};
+                    if (has_no_area(points[0], points[1], points[2])) points.fill(points[0]);
+                    for (size_t v = 0; v < points.size(); ++v) {
+                        put(out + 4 * (kTriangleVertexTexels * i + v),
+                            (points[v] - frame.origin) * frame.scale);
                     }
                 }
             });
@@ -101,61 +148,82 @@ TextureData pack_vertices(const Scene& scene, const TwoLevelGrid& grid,
     return vertices;
 }
 
-void put(float* texel, const dvec3& v) {
-    for (int c = 0; c < 3; ++c) texel[c] = static_cast<float>(v[c]);
-}
-
-TextureData pack_grid_frames(const std::vector<const UniformGrid*>& grids,
-                             const TextureLimits& limits) {
+TextureData pack_grid_frames(const std::vector<UniformGrid>& grids, const TextureLimits& limits) {
     TextureData frames =
         make_float_buffer("grid_frames", "grids", grids.size() * kGridFrameTexels, limits);
-    for (size_t g = 0; g < grids.size(); ++g) {
-        const UniformGrid& grid = *grids[g];
-        float* out = &frames.texels[4 * kGridFrameTexels * g];
-        const dvec3 origin = frame_origin(grid);
-        put(out, dvec3(grid.bounds.lower) - origin);
-        put(out + 4, dvec3(grid.bounds.upper) - origin);
-        put(out + 8, grid.cell_size());
-        put(out + 12, 1.0 / grid.cell_size());
+    for (size_t k = 0; k < grids.size(); ++k) {
+        const UniformGrid& grid = grids[k];
+        const GridFrame frame = object_frame(grid);
+        const dvec3 cell = grid.cell_size() * frame.scale;
+        float* const out = &frames.texels[4 * kGridFrameTexels * k];
+        put(out, (dvec3(grid.bounds.lower) - frame.origin) * frame.scale);
+        put(out + 4, (dvec3(grid.bounds.upper) - frame.origin) * frame.scale);
+        put(out + 8, cell);
+        put(out + 12, 1.0 / cell);
     }
     return frames;
 }
 
-TextureData pack_grid_numbers(const std::vector<const UniformGrid*>& grids,
+TextureData pack_grid_numbers(const std::vector<UniformGrid>& grids,
                               const std::vector<uint64_t>& first_cell,
                               const std::vector<uint64_t>& first_triangle,
                               const TextureLimits& limits) {
     TextureData numbers =
         make_word_buffer("grid_numbers", "grids", grids.size() * kGridNumberTexels, 4, limits);
-    for (size_t g = 0; g < grids.size(); ++g) {
-        uint32_t* out = &numbers.words[4 * kGridNumberTexels * g];
-        for (int axis = 0; axis < 3; ++axis) out[axis] = grids[g]->dims[axis];
-        out[3] = static_cast<uint32_t>(first_cell[g]);
-        if (g != kTopGrid) out[4] = static_cast<uint32_t>(first_triangle[g - 1]);
+    for (size_t k = 0; k < grids.size(); ++k) {
+        uint32_t* out = &numbers.words[4 * kGridNumberTexels * k];
+        for (int axis = 0; axis < 3; ++axis) out[axis] = grids[k].dims[axis];
+        out[3] = static_cast<uint32_t>(first_cell[k]);
+        out[4] = static_cast<uint32_t>(first_triangle[k]);
     }
     return numbers;
 }
 
-/// The rows of the map from the world to the object's grid, each number as the sum of two floats.
-TextureData pack_instance_rows(const Scene& scene, const TwoLevelGrid& grid,
-                               const TextureLimits& limits) {
-    TextureData rows = make_float_buffer("instance_rows", "instances",
-                                         scene.instances.size() * kInstanceRowTexels, limits);
+/// The inverse of the linear part, with the 64 digits of x86's long double: its rows are the cross
+/// products of the columns, which are exact but for the last rounding, over the determinant, which
+/// loses what a nearly singular map cancels.
+using LongRow = std::array<long double, 3>;
+std::array<LongRow, 3> inverse_rows(const Affine& m) {
+    const auto at = [&](int column, int row) -> long double { return m[column % 3][row % 3]; };
+    std::array<LongRow, 3> rows;
+    for (int i = 0; i < 3; ++i) {
+        for (int j = 0; j < 3; ++j) {
+            rows[i][j] = at(i + 1, j + 1) * at(i + 2, j + 2) - at(i + 1, j + 2) * at(i + 2, j + 1);
+        }
+    }
+    const long double determinant =
+        rows[0][0] * at(0, 0) + rows[0][1] * at(0, 1) + rows[0][2] * at(0, 2);
+    for (LongRow& row : rows) {
+        for (long double& value : row) value /= determinant;
+    }
+    return rows;
+}
+
+/// See shared/grid_buffers_layout.h.
+void put_instance_rows(float* out, const Affine& world_from_object, const GridFrame& frame) {
     constexpr int kRows = 3;
     static_assert(kInstanceRowTexels == 2 * kRows);
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-        const Instance& instance = scene.instances[i];
-        DAffine map = inverse(instance.world_from_object);
-        map[3] -= frame_origin(grid.objects[instance.object]);
-        float* out = &rows.texels[4 * kInstanceRowTexels * i];
-        for (int row = 0; row < kRows; ++row) {
-            for (int column = 0; column < 4; ++column) {
-                const double value = map[column][row];
-                const auto leading = static_cast<float>(value);
-                out[4 * row + column] = leading;
-                out[4 * (row + kRows) + column] = static_cast<float>(value - double{leading});
-            }
+    const std::array<LongRow, 3> inverse = inverse_rows(world_from_object);
+    for (int row = 0; row < kRows; ++row) {
+        float* const leading = out + 4 * row;
+        float* const trailing = out + 4 * (row + kRows);
+        for (int column = 0; column < 3; ++column) {
+            const long double value = inverse[row][column] * frame.scale;
+            leading[column] = static_cast<float>(value);
+            trailing[column] = static_cast<float>(value - leading[column]);
         }
+        leading[3] = world_from_object[3][row];
+        trailing[3] = static_cast<float>(frame.origin[row] * frame.scale);
+    }
+}
+
+TextureData pack_instance_rows(const Scene& scene, std::span<const Affine> world_from_object,
+                               std::span<const GridFrame> frames, const TextureLimits& limits) {
+    TextureData rows = make_float_buffer("instance_rows", "instances",
+                                         world_from_object.size() * kInstanceRowTexels, limits);
+    for (size_t i = 0; i < world_from_object.size(); ++i) {
+        put_instance_rows(&rows.texels[4 * kInstanceRowTexels * i], world_from_object[i],
+                          frames[scene.instances[i].object]);
     }
     return rows;
 }
@@ -164,16 +232,45 @@ TextureData pack_instance_grids(const Scene& scene, const TextureLimits& limits)
     TextureData grids =
         make_word_buffer("instance_grids", "instances", scene.instances.size(), 1, limits);
     for (size_t i = 0; i < scene.instances.size(); ++i) {
-        grids.words[i] = scene.instances[i].object + 1;
+        grids.words[i] = scene.instances[i].object;
     }
     return grids;
 }
 
 }  // namespace
 
+std::vector<GridFrame> object_frames(const TwoLevelGrid& grid) {
+    std::vector<GridFrame> frames;
+    for (const UniformGrid& object : grid.objects) frames.push_back(object_frame(object));
+    return frames;
+}
+
+ShaderInputs pack_top_buffers(const Scene& scene, std::span<const Affine> world_from_object,
+                              const UniformGrid& top, std::span<const GridFrame> frames,
+                              const TextureLimits& limits) {
+    TextureData cells = make_word_buffer("top_cells", "cells", top.cell_count(), 2, limits);
+    put_cells(cells.words.data(), top, 0);
+    TextureData references =
+        make_word_buffer("top_references", "references", top.references.size(), 1, limits);
+    std::copy(top.references.begin(), top.references.end(), references.words.begin());
+
+    ShaderInputs inputs;
+    inputs.textures.push_back(std::move(cells));
+    inputs.textures.push_back(std::move(references));
+    inputs.textures.push_back(pack_instance_rows(scene, world_from_object, frames, limits));
+    const dvec3 origin = frame_origin(top);
+    inputs.uniforms = {{"top_frame", vec3(origin)},
+                       {"top_lower", vec3(dvec3(top.bounds.lower) - origin)},
+                       {"top_upper", vec3(dvec3(top.bounds.upper) - origin)},
+                       {"top_cell", vec3(top.cell_size())},
+                       {"top_cells_per_unit", vec3(1.0 / top.cell_size())},
+                       {"top_dims", vec3(top.dims)}};
+    return inputs;
+}
+
 TwoLevelBuffers pack_two_level_buffers(const Scene& scene, const TwoLevelGrid& grid,
                                        const TextureLimits& limits) {
-    const std::vector<const UniformGrid*> grids = all_grids(grid);
+    const std::vector<UniformGrid>& grids = grid.objects;
     const std::vector<uint64_t> first_cell =
         starts_of(grids, [](const UniformGrid& g) { return g.cell_count(); });
     const std::vector<uint64_t> first_reference =
@@ -182,10 +279,13 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, const TwoLevelGrid& g
     for (const Object& object : scene.objects) {
         first_triangle.push_back(first_triangle.back() + object.triangles.size());
     }
+    std::vector<Affine> world_from_object;
+    for (const Instance& instance : scene.instances) {
+        world_from_object.push_back(instance.world_from_object);
+    }
 
     TwoLevelBuffers packed;
     const auto add = [&](TextureData texture) {
-        packed.stats.push_back({texture.name + "_bytes", static_cast<double>(texture.bytes()), ""});
         packed.inputs.textures.push_back(std::move(texture));
     };
     add(pack_cells(grids, first_cell, first_reference, limits));
@@ -193,13 +293,21 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, const TwoLevelGrid& g
     add(pack_vertices(scene, grid, first_triangle, limits));
     add(pack_grid_frames(grids, limits));
     add(pack_grid_numbers(grids, first_cell, first_triangle, limits));
-    add(pack_instance_rows(scene, grid, limits));
     add(pack_instance_grids(scene, limits));
-    packed.inputs.uniforms.push_back({"top_frame", vec3(frame_origin(grid.top))});
-    packed.stats.push_back({"cells", static_cast<double>(first_cell.back()), "of all grids"});
-    packed.stats.push_back(
-        {"references", static_cast<double>(first_reference.back()), "of all grids"});
+    packed.inputs.append(
+        pack_top_buffers(scene, world_from_object, grid.top, object_frames(grid), limits));
+    for (const TextureData& texture : packed.inputs.textures) {
+        packed.stats.push_back({texture.name + "_bytes", static_cast<double>(texture.bytes()), ""});
+    }
+    packed.object_cells = first_cell.back();
+    packed.object_references = first_reference.back();
     packed.stats.push_back({"triangles", static_cast<double>(first_triangle.back()), "unique"});
+    packed.stats.push_back({"cells",
+                            static_cast<double>(packed.object_cells + grid.top.cell_count()),
+                            "of all grids"});
+    packed.stats.push_back(
+        {"references", static_cast<double>(packed.object_references + grid.top.references.size()),
+         "of all grids"});
     return packed;
 }
 

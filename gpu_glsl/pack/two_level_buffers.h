@@ -1,6 +1,8 @@
 // The two-level grid packed into buffer textures: storage/two_level_grid/buffer.
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/grid/two_level_grid.h"
@@ -10,9 +12,17 @@
 
 namespace onepass {
 
+/// The frame in which all of a grid is stored: q = scale (p - origin), exact for every vertex.
+struct GridFrame {
+    dvec3 origin{0.0};
+    double scale = 1.0;  ///< a power of two
+};
+
 struct TwoLevelBuffers {
     ShaderInputs inputs;
     std::vector<Stat> stats;
+    uint64_t object_cells = 0;  ///< of all object grids
+    uint64_t object_references = 0;
 };
 
 /// Layouts in gpu_glsl/shaders/storage/two_level_grid/buffer.glsl and shared/grid_buffers_layout.h.
@@ -22,5 +32,14 @@ struct TwoLevelBuffers {
 /// Throws: Error naming the buffer, what was asked and the limit, if the scene does not fit.
 TwoLevelBuffers pack_two_level_buffers(const Scene& scene, const TwoLevelGrid& grid,
                                        const TextureLimits& limits);
+
+/// The frames of the objects' grids.
+std::vector<GridFrame> object_frames(const TwoLevelGrid& grid);
+
+/// The part that changes when instances move: buffers of the top level and of the instances, and
+/// uniforms. Cost: O(instances + top-level cells and references). Throws: as above.
+ShaderInputs pack_top_buffers(const Scene& scene, std::span<const Affine> world_from_object,
+                              const UniformGrid& top, std::span<const GridFrame> frames,
+                              const TextureLimits& limits);
 
 }  // namespace onepass

@@ -47,10 +47,20 @@ inline void note_test(RayWalk& walk, uint32_t inst_id, uint32_t prim_id) {
     walk.steps.back().tests.push_back({prim_id});
 }
 
-inline void note_hit(RayWalk& walk, double t) {
-    WalkTest& test = walk.steps.back().tests.back();
-    test.accepted = true;
-    test.t = t;
+/// Marks the last test of the hit's triangle.
+template <class ProgramHit>
+void note_hit(RayWalk& walk, const ProgramHit& hit) {
+    for (auto step = walk.steps.rbegin(); step != walk.steps.rend(); ++step) {
+        if (step->inst_id != hit.inst_id) continue;
+        const auto test =
+            std::find_if(step->tests.rbegin(), step->tests.rend(),
+                         [&](const WalkTest& t) { return t.prim_id == hit.prim_id; });
+        if (test == step->tests.rend()) continue;
+        test->accepted = true;
+        test->t = hit.t;
+        return;
+    }
+    ONEPASS_CHECK(false && "a hit of a triangle that was not noted");
 }
 
 template <class Program>

@@ -39,22 +39,38 @@ float product_error(float a, float b, float product) {
     return error;
 }
 
-// a b - c d with the right sign: 0 only if the products are equal.
+// ---- Arithmetic of pairs -----------------------------------------------------------------------
 //
-// Rounding keeps order, so a difference of rounded products is never of the wrong sign, but it may
-// be 0 where the products are not equal; then what rounding took away from each decides.
-float difference_of_products(float a, float b, float c, float d) {
-    PRECISE float ab = a * b;
-    PRECISE float cd = c * d;
-    PRECISE float difference = ab - cd;
-    if (difference == 0.0) difference = product_error(a, b, ab) - product_error(c, d, cd);
-    return difference;
-}
+// Each result is wrong by a few units in the pair's last place, of the largest number that went in.
 
-// sum + (a_hi + a_lo) * b, rounded in the last digits of the pair only.
-Pair add_product(Pair sum, float a_hi, float a_lo, float b) {
-    PRECISE float product = a_hi * b;
+// sum + a b.
+Pair add_product(Pair sum, Pair a, Pair b) {
+    PRECISE float product = a.hi * b.hi;
     Pair added = two_sum(sum.hi, product);
-    PRECISE float lo = sum.lo + (added.lo + (product_error(a_hi, b, product) + a_lo * b));
+    PRECISE float rest = product_error(a.hi, b.hi, product) + (a.hi * b.lo + a.lo * b.hi);
+    PRECISE float lo = sum.lo + (added.lo + rest);
     return Pair(added.hi, lo);
 }
+
+// The same number with hi rounded to nearest: only then does order of hi, then lo, order numbers.
+Pair normalised(Pair a) { return two_sum(a.hi, a.lo); }
+
+Pair negated(Pair a) { return Pair(-a.hi, -a.lo); }
+
+Pair pair_sum(Pair a, Pair b) {
+    Pair sum = two_sum(a.hi, b.hi);
+    PRECISE float lo = sum.lo + (a.lo + b.lo);
+    return two_sum(sum.hi, lo);
+}
+
+Pair pair_product(Pair a, Pair b) { return normalised(add_product(Pair(0.0, 0.0), a, b)); }
+
+Pair pair_quotient(Pair a, Pair b) {
+    PRECISE float first = a.hi / b.hi;
+    Pair rest = add_product(a, b, Pair(-first, 0.0));
+    PRECISE float second = (rest.hi + rest.lo) / b.hi;
+    return two_sum(first, second);
+}
+
+// a < b, of normalised pairs.
+bool is_less(Pair a, Pair b) { return a.hi < b.hi || (a.hi == b.hi && a.lo < b.lo); }

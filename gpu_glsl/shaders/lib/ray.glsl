@@ -23,6 +23,15 @@ const uint kNoId = 0xFFFFFFFFu;
 Hit no_hit() { return Hit(infinity(), 0.0, 0.0, kNoId, kNoId); }
 bool is_hit(Hit hit) { return hit.inst_id != kNoId; }
 
+// False for a ray that hits nothing by definition: a number that is none or not finite, a direction
+// of 0, a reversed interval.
+bool is_finite(vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
+bool is_traceable(Ray ray) {
+    bool moves = ray.dir.x != 0.0 || ray.dir.y != 0.0 || ray.dir.z != 0.0;
+    return is_finite(ray.org) && is_finite(ray.dir) && moves && is_finite(ray.tmin) &&
+           is_number(ray.tmax) && ray.tmin >= 0.0 && ray.tmin <= ray.tmax;
+}
+
 // What a path's ray is for: the light that a shadow ray goes to, or kSurfaceRay, which stands for a
 // primary or reflection ray. A shadow ray ends at its light, the others nowhere.
 const int kSurfaceRay = -1;

@@ -10,9 +10,7 @@ const int kGridNumberTexels = 2;
 // The corners, in the frame of the object's grid.
 const int kTriangleVertexTexels = 3;
 
-// The rows of the map from the world to the frame of the object's grid, each as the sum of two floats: the
-// leading parts of the three, then the trailing parts.
+// q = M (p - place) - origin takes the world to the frame of the object's grid. The rows of M, each
+// number as the sum of two floats: the leading parts of the three rows, with the place's coordinates
+// as fourth numbers; then the trailing parts, with the origin's.
 const int kInstanceRowTexels = 6;
-
-// The number of grid 0, which is the top level; that of object k is k + 1.
-const int kTopGrid = 0;

@@ -87,12 +87,12 @@ void intersect_triangle(ADDRESS triangle, vec3 org, vec3 dir, float t_start, flo
         if (!(la >= -slack_u)) return;
         if (!(lb >= -slack_v)) return;
         if (!(la + lb <= la_lb_bound)) return;
-        NOTE_HIT(t);
         hit = Hit(t, la, lb, fetch_prim_id(triangle, first_triangle), inst_id);
+        NOTE_HIT(hit);
     } else if (t >= t_start && t <= t_end && t < hit.t && la >= -slack_u && lb >= -slack_v &&
                la + lb <= la_lb_bound) {
-        NOTE_HIT(t);
         hit = Hit(t, la, lb, fetch_prim_id(triangle, first_triangle), inst_id);
+        NOTE_HIT(hit);
     }
 }
 

@@ -55,10 +55,9 @@ Span span_in_box(vec3 org, vec3 inverse, vec3 lower, vec3 upper) {
     return Span(enter - kRounding * abs(enter), leave + kRounding * abs(leave));
 }
 
-// org + org_rest + dir * t on one axis.
-Pair moved(float org, float org_rest, float dir, float t) {
-    Pair sum = add_product(Pair(org, org_rest), dir, 0.0, t);
-    return two_sum(sum.hi, sum.lo);
+// The ray's point at t, on one axis.
+Pair moved(float org, float org_rest, float dir, float dir_rest, float t) {
+    return normalised(add_product(Pair(org, org_rest), Pair(dir, dir_rest), Pair(t, 0.0)));
 }
 
 // Moves the ray's origin to where the part [t_first, t_last] enters the grid. leave < 0 if it does
@@ -69,9 +68,9 @@ Course course_in(Grid grid, LocalRay ray, float t_first, float t_last) {
     course.inverse = guarded_inverse(ray.dir);
     Span span = span_in_box(ray.org, course.inverse, grid.lower, grid.upper);
     course.start = greater(t_first, span.enter);
-    Pair x = moved(ray.org.x, ray.org_rest.x, ray.dir.x, course.start);
-    Pair y = moved(ray.org.y, ray.org_rest.y, ray.dir.y, course.start);
-    Pair z = moved(ray.org.z, ray.org_rest.z, ray.dir.z, course.start);
+    Pair x = moved(ray.org.x, ray.org_rest.x, ray.dir.x, ray.dir_rest.x, course.start);
+    Pair y = moved(ray.org.y, ray.org_rest.y, ray.dir.y, ray.dir_rest.y, course.start);
+    Pair z = moved(ray.org.z, ray.org_rest.z, ray.dir.z, ray.dir_rest.z, course.start);
     course.org = vec3(x.hi, y.hi, z.hi);
     course.org_rest = vec3(x.lo, y.lo, z.lo);
     course.leave = lesser(t_last, span.leave) - course.start;

@@ -1,9 +1,10 @@
-// The watertight ray-triangle test (Woop, Benthin, Wald 2013).
+// Which triangles a ray may hit: the test of Woop, Benthin & Wald (2013), made one that never says
+// no where rounding leaves it open.
 //
-// The triangle is moved into a frame where the ray is the z axis. A corner comes out the same
-// whichever triangle it is a corner of, and the sign of an edge function is exact for the corners
-// that came out; so two triangles that share an edge agree on which side of it the ray passes, and
-// no ray slips between them, at corners neither.
+// The triangle is moved into a frame where the ray is the z axis, so that three edge functions of x
+// and y say whether the ray passes inside. A triangle is ruled out only if they differ in sign by
+// more than they can be wrong; one is surely hit only if they agree by more than that. Between the
+// two, lib/grid/sharp.glsl decides with twice the digits.
 #pragma once
 #include "lib/exact.glsl"
 #include "lib/math.glsl"
@@ -17,17 +18,27 @@ struct Shear {
     float x;       // how much of z to take from x ...
     float y;       // ... and from y
     float z;       // 1 / the largest component
+    float reach;   // no coordinate of a corner, seen from the ray's origin, is larger
 };
 
 vec3 turned(vec3 v, int axis) {
     return axis == 0 ? vec3(v.y, v.z, v.x) : (axis == 1 ? vec3(v.z, v.x, v.y) : v);
 }
 
-Shear shear_of(vec3 org, vec3 org_rest, vec3 dir) {
-    vec3 size = abs(dir);
-    int axis = size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+int largest_axis(vec3 v) {
+    vec3 size = abs(v);
+    return size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+}
+
+// `far`: the largest coordinate that the ray's origin had before it was moved to `org`; of it pairs
+// keep all but some 2^-42, which is 2^-18 in units of half_ulp().
+Shear shear_of(vec3 org, vec3 org_rest, vec3 dir, float far) {
+    const float kLostByMoving = 3.814697265625e-6;  // 2^-18
+    int axis = largest_axis(dir);
     vec3 d = turned(dir, axis);
-    return Shear(org, org_rest, axis, d.x / d.z, d.y / d.z, 1.0 / d.z);
+    // No coordinate of an object's corner is larger than 1, in the frame of its grid.
+    float reach = 1.0 + largest(abs(org)) + kLostByMoving * far;
+    return Shear(org, org_rest, axis, d.x / d.z, d.y / d.z, 1.0 / d.z, reach);
 }
 
 // A corner in the ray's frame; z in units of the direction's largest component.
@@ -39,33 +50,53 @@ vec3 sheared(Shear shear, vec3 corner) {
     return vec3(x, y, p.z);
 }
 
-// Ties at an equal t go to the lower instance, then to the lower triangle, so that no order of
-// visits can show in a hit.
-bool is_nearer(float t, uint prim_id, uint inst_id, Hit hit) {
-    return t < hit.t || (t == hit.t && (inst_id < hit.inst_id ||
-                                        (inst_id == hit.inst_id && prim_id < hit.prim_id)));
-}
+// Where a ray crosses a triangle: t, from shear.org on.
+struct Crossing {
+    float from;    // it is at least this ...
+    float to;      // ... and at most this
+    bool is_sure;  // false if it may be nowhere
+};
 
-// `start`: t of the ray at shear.org.
-void intersect_triangle(Triangle triangle, uint prim_id, uint inst_id, Shear shear, float start,
-                        Ray ray, INOUT(Hit) hit) {
+// False if the ray misses the triangle.
+//
+// The bounds. With u = half_ulp() and W the largest |x| or |y| of the three corners: x and y are
+// wrong by at most 8 u reach (a difference, a rounded direction, a quotient, a product, a
+// difference), so an edge function is by at most 35 u W reach; `doubt` is twice that. If all three
+// are larger, their sum, the area, is wrong by less than half of itself. t is the mean of the
+// corners' z weighted by them, so it is wrong by their error's share of the area times the depth of
+// the triangle; and by 16 u reach for z and what is done with it. If in doubt, t is within the
+// triangle.
+bool may_cross(Triangle triangle, Shear shear, OUT(Crossing) crossing) {
     count_test();
-    NOTE_TEST(inst_id, prim_id);
     vec3 a = sheared(shear, triangle.v0);
     vec3 b = sheared(shear, triangle.v1);
     vec3 c = sheared(shear, triangle.v2);
 
     // Edge functions, twice the areas that the ray's point makes with each edge.
-    float w0 = difference_of_products(c.x, b.y, c.y, b.x);
-    float w1 = difference_of_products(a.x, c.y, a.y, c.x);
-    float w2 = difference_of_products(b.x, a.y, b.y, a.x);
-    if ((w0 < 0.0 || w1 < 0.0 || w2 < 0.0) && (w0 > 0.0 || w1 > 0.0 || w2 > 0.0)) return;
-    float area = w0 + w1 + w2;
-    if (area == 0.0) return;
+    PRECISE float w0 = c.x * b.y - c.y * b.x;
+    PRECISE float w1 = a.x * c.y - a.y * c.x;
+    PRECISE float w2 = b.x * a.y - b.y * a.x;
+    vec3 size = greater(abs(a), greater(abs(b), abs(c)));
+    float width = greater(size.x, size.y);
+    float doubt = 72.0 * half_ulp() * shear.reach * width;
+    float least = lesser(w0, lesser(w1, w2));
+    float most = greater(w0, greater(w1, w2));
+    if (least < -doubt && most > doubt) return false;
+    crossing.is_sure = least > doubt || most < -doubt;
 
-    float t = start + (w0 * a.z + w1 * b.z + w2 * c.z) / area * shear.z;
-    if (t >= ray.tmin && t <= ray.tmax && is_nearer(t, prim_id, inst_id, hit)) {
-        NOTE_HIT(t);
-        hit = Hit(t, w1 / area, w2 / area, prim_id, inst_id);
+    float z_near = lesser(a.z, lesser(b.z, c.z));
+    float z_far = greater(a.z, greater(b.z, c.z));
+    float error = 16.0 * half_ulp() * shear.reach;
+    if (crossing.is_sure) {
+        float area = w0 + w1 + w2;
+        float z = a.z + w1 / area * (b.z - a.z) + w2 / area * (c.z - a.z);
+        error += lesser(3.0 * doubt / abs(area), 1.0) * (z_far - z_near);
+        z_near = z;
+        z_far = z;
     }
+    z_near -= error;
+    z_far += error;
+    crossing.from = lesser(z_near * shear.z, z_far * shear.z);
+    crossing.to = greater(z_near * shear.z, z_far * shear.z);
+    return true;
 }

@@ -22,7 +22,7 @@ void intersect_triangle(ADDRESS triangle, vec3 org, vec3 dir, float t_start, flo
     float slack_v = side_slack(side_v, from, dir, t);
     if (t >= t_start && t <= t_end && t < hit.t && la >= -slack_u && lb >= -slack_v &&
         la + lb <= edge_tolerance + (slack_u + slack_v)) {
-        NOTE_HIT(t);
         hit = Hit(t, la, lb, fetch_prim_id(triangle, first_triangle), inst_id);
+        NOTE_HIT(hit);
     }
 }

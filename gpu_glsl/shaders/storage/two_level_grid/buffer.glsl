@@ -1,22 +1,34 @@
 // The two-level grid in buffer textures, addressed by integers.
 //
-// All that belongs to a grid is stored in the grid's frame, so that an object far from the origin is
-// as precise as one around it. The frame's origin is at a corner of the object, on those axes where
-// taking that corner off is exact, and else stays where it was: no vertex is ever moved.
+// All that belongs to a grid is stored in the grid's frame, so that an object far from the origin, or
+// of any size, is as precise as one of size 1 around it. The frame's origin is at a corner of the
+// object, on those axes where taking that corner off is exact, and else stays where it was; the
+// frame of an object's grid is scaled by the power of two that makes its largest coordinate 1/2 to
+// 1. Both are exact: no vertex is ever moved.
 #pragma once
 #include "lib/dialect.glsl"
 #include "lib/exact.glsl"
 #include "lib/ray.glsl"
 #include "shared/grid_buffers_layout.h"
 
+// The object grids: fixed once they are built.
 UBUFFER(cells)          // first reference and their number
-UBUFFER(references)     // triangles of an object, or instances
+UBUFFER(references)     // triangles of an object
 BUFFER(vertices)
 BUFFER(grid_frames)
 UBUFFER(grid_numbers)
-BUFFER(instance_rows)
 UBUFFER(instance_grids)
-UNIFORM(vec3, top_frame)  // the origin of the top-level grid's frame, in the world
+
+// The top level: made anew when instances move (pack/top_level_update.h).
+UBUFFER(top_cells)
+UBUFFER(top_references)  // instances
+BUFFER(instance_rows)
+UNIFORM(vec3, top_frame)  // the origin of its frame, in the world
+UNIFORM(vec3, top_lower)  // its Grid; dims as floats
+UNIFORM(vec3, top_upper)
+UNIFORM(vec3, top_cell)
+UNIFORM(vec3, top_cells_per_unit)
+UNIFORM(vec3, top_dims)
 
 struct Grid {
     vec3 lower;          // corners of the whole grid, in its frame
@@ -39,13 +51,14 @@ struct Triangle {
     vec3 v2;
 };
 
-// A ray in the frame of a grid. t means the same in all frames. The origin has twice the digits, as
-// org + org_rest: a ray that starts close to a surface would lose the digits of its t to a rounded
-// origin.
+// A ray in the frame of a grid. t means the same in all frames. Every number has twice the digits,
+// as x + x_rest: a ray that starts close to a surface would lose the digits of its t to a rounded
+// origin, and one that starts far away would pass beside it by a rounded direction.
 struct LocalRay {
     vec3 org;
     vec3 org_rest;
     vec3 dir;
+    vec3 dir_rest;
 };
 
 Grid fetch_grid(int number) {
@@ -57,15 +70,33 @@ Grid fetch_grid(int number) {
                 ivec3(int(dims.x), int(dims.y), int(dims.z)), int(dims.w), int(first.x));
 }
 
+Grid fetch_top_grid() {
+    return Grid(top_lower, top_upper, top_cell, top_cells_per_unit,
+                ivec3(int(top_dims.x), int(top_dims.y), int(top_dims.z)), 0, 0);
+}
+
+int cell_index(Grid grid, ivec3 cell) {
+    return grid.first_cell + cell.x + grid.dims.x * (cell.y + grid.dims.y * cell.z);
+}
+
 CellList fetch_cell(Grid grid, ivec3 cell) {
-    int index = cell.x + grid.dims.x * (cell.y + grid.dims.y * cell.z);
-    uvec4 list = FETCHBUFFER(cells, grid.first_cell + index);
+    uvec4 list = FETCHBUFFER(cells, cell_index(grid, cell));
     return CellList(int(list.x), int(list.y));
 }
 
-uint fetch_reference(int index) {
+CellList fetch_top_cell(Grid grid, ivec3 cell) {
+    uvec4 list = FETCHBUFFER(top_cells, cell_index(grid, cell));
+    return CellList(int(list.x), int(list.y));
+}
+
+uint fetch_triangle_reference(int index) {
     count_reference();
     return FETCHBUFFER(references, index).x;
+}
+
+uint fetch_instance_reference(int index) {
+    count_reference();
+    return FETCHBUFFER(top_references, index).x;
 }
 
 Triangle fetch_triangle(Grid grid, uint prim_id) {
@@ -78,22 +109,17 @@ int fetch_grid_of_instance(uint inst_id) {
     return int(FETCHBUFFER(instance_grids, int(inst_id)).x);
 }
 
-// One coordinate of a point, and (without the translation) of a direction.
-Pair transformed_point(vec4 row, vec4 rest, vec3 p) {
-    Pair sum = add_product(Pair(row.w, rest.w), row.x, rest.x, p.x);
-    sum = add_product(sum, row.y, rest.y, p.y);
-    sum = add_product(sum, row.z, rest.z, p.z);
-    return two_sum(sum.hi, sum.lo);
-}
-float transformed_direction(vec4 row, vec4 rest, vec3 v) {
-    Pair sum = add_product(Pair(0.0, 0.0), row.x, rest.x, v.x);
-    sum = add_product(sum, row.y, rest.y, v.y);
-    sum = add_product(sum, row.z, rest.z, v.z);
-    return sum.hi + sum.lo;
+// One coordinate of a point or a direction: a row of a matrix applied to it.
+Pair transformed(Pair from, vec4 row, vec4 rest, Pair x, Pair y, Pair z) {
+    Pair sum = add_product(from, Pair(row.x, rest.x), x);
+    sum = add_product(sum, Pair(row.y, rest.y), y);
+    sum = add_product(sum, Pair(row.z, rest.z), z);
+    return normalised(sum);
 }
 
-// The ray in the frame of the instance's grid. The matrix and the sums carry twice the digits, so
-// that a large translation or a cancelling rotation loses nothing.
+// The ray in the frame of the instance's grid. The place of the instance is taken off first, which
+// is exact, and the matrix and the sums carry twice the digits; so neither a large translation nor
+// a cancelling rotation loses any.
 LocalRay to_instance(uint inst_id, Ray ray) {
     int at = int(inst_id) * kInstanceRowTexels;
     vec4 x = FETCHBUFFER(instance_rows, at);
@@ -102,13 +128,25 @@ LocalRay to_instance(uint inst_id, Ray ray) {
     vec4 x_rest = FETCHBUFFER(instance_rows, at + 3);
     vec4 y_rest = FETCHBUFFER(instance_rows, at + 4);
     vec4 z_rest = FETCHBUFFER(instance_rows, at + 5);
-    Pair org_x = transformed_point(x, x_rest, ray.org);
-    Pair org_y = transformed_point(y, y_rest, ray.org);
-    Pair org_z = transformed_point(z, z_rest, ray.org);
+    Pair from_x = two_sum(ray.org.x, -x.w);
+    Pair from_y = two_sum(ray.org.y, -y.w);
+    Pair from_z = two_sum(ray.org.z, -z.w);
+    Pair org_x = transformed(Pair(-x_rest.w, 0.0), x, x_rest, from_x, from_y, from_z);
+    Pair org_y = transformed(Pair(-y_rest.w, 0.0), y, y_rest, from_x, from_y, from_z);
+    Pair org_z = transformed(Pair(-z_rest.w, 0.0), z, z_rest, from_x, from_y, from_z);
+    Pair dx = Pair(ray.dir.x, 0.0);
+    Pair dy = Pair(ray.dir.y, 0.0);
+    Pair dz = Pair(ray.dir.z, 0.0);
+    Pair dir_x = transformed(Pair(0.0, 0.0), x, x_rest, dx, dy, dz);
+    Pair dir_y = transformed(Pair(0.0, 0.0), y, y_rest, dx, dy, dz);
+    Pair dir_z = transformed(Pair(0.0, 0.0), z, z_rest, dx, dy, dz);
     return LocalRay(vec3(org_x.hi, org_y.hi, org_z.hi), vec3(org_x.lo, org_y.lo, org_z.lo),
-                    vec3(transformed_direction(x, x_rest, ray.dir),
-                         transformed_direction(y, y_rest, ray.dir),
-                         transformed_direction(z, z_rest, ray.dir)));
+                    vec3(dir_x.hi, dir_y.hi, dir_z.hi), vec3(dir_x.lo, dir_y.lo, dir_z.lo));
 }
 
-LocalRay to_top_level(Ray ray) { return LocalRay(ray.org - top_frame, vec3(0.0), ray.dir); }
+LocalRay to_top_level(Ray ray) {
+    Pair x = two_sum(ray.org.x, -top_frame.x);
+    Pair y = two_sum(ray.org.y, -top_frame.y);
+    Pair z = two_sum(ray.org.z, -top_frame.z);
+    return LocalRay(vec3(x.hi, y.hi, z.hi), vec3(x.lo, y.lo, z.lo), ray.dir, vec3(0.0));
+}
