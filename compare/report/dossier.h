@@ -39,6 +39,7 @@ struct SceneDossier {
     std::vector<Entry<ImageRecord>> images;
     std::vector<Entry<TimingRecord>> timings;
     std::vector<Entry<SweepPoint>> sweeps;
+    std::vector<Entry<TradeoffPoint>> tradeoffs;
 };
 
 struct Dossier {
