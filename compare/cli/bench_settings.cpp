@@ -1,6 +1,7 @@
 #include "compare/cli/bench_settings.h"
 
 #include <memory>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -91,22 +92,30 @@ void bench_scene(const Session& session, const BenchSettingsCommand& options,
     }
 }
 
+/// With the setting as last column, to the left.
 std::string table(const std::string& title, const std::vector<TradeoffPoint>& points) {
-    std::vector<std::vector<std::string>> rows = {{"tracer", "setting", "ratio", "95 % interval",
-                                                   "median ms", "errors", "of rays", "edge",
-                                                   "Pareto front"}};
+    std::vector<std::vector<std::string>> rows = {
+        {"tracer", "ratio", "95 % interval", "median ms", "errors", "of rays", "edge", "front"}};
+    std::vector<std::string> settings = {"setting"};
     const std::vector<bool> front = on_front(points);
     for (size_t i = 0; i < points.size(); ++i) {
         const TradeoffPoint& point = points[i];
-        rows.push_back({point.tracer, point.setting.empty() ? "-" : point.setting,
-                        fmt::format("{:.3f}", point.ratio),
+        rows.push_back({point.tracer, fmt::format("{:.3f}", point.ratio),
                         fmt::format("{:.3f}..{:.3f}", point.ratio_low, point.ratio_high),
                         point.wall_ms.empty() ? "-" : fmt::format("{:.2f}", median(point.wall_ms)),
                         std::to_string(point.errors), std::to_string(point.ray_count),
-                        std::to_string(point.edges), front[i] ? "on it" : ""});
+                        std::to_string(point.edges), front[i] ? "*" : ""});
+        settings.push_back(point.setting);
     }
-    return fmt::format("{}; ratio is speed relative to {}\n{}", title, points.front().oracle,
-                       format_table(rows));
+    std::istringstream lines(format_table(rows));
+    std::string text = fmt::format("{}; ratio is speed relative to {}; * on the Pareto front\n",
+                                   title, points.front().oracle);
+    for (const std::string& setting : settings) {
+        std::string line;
+        std::getline(lines, line);
+        text += line + (setting.empty() ? "" : "  " + setting) + '\n';
+    }
+    return text;
 }
 
 void print(const Results& results, std::FILE* out) {
