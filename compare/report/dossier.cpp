@@ -136,6 +136,9 @@ Dossier gather(const std::vector<Results>& runs,
         for (const auto& point : run.sweeps) {
             scene_named(dossier, point.scene).sweeps.push_back(entry(point));
         }
+        for (const auto& point : run.tradeoffs) {
+            scene_named(dossier, point.scene).tradeoffs.push_back(entry(point));
+        }
     }
     for (SceneDossier& scene : dossier.scenes) set_lesser_checks_apart(scene);
     return dossier;

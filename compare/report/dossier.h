@@ -42,6 +42,7 @@ struct SceneDossier {
     std::vector<Entry<ImageRecord>> images;
     std::vector<Entry<TimingRecord>> timings;
     std::vector<Entry<SweepPoint>> sweeps;
+    std::vector<Entry<TradeoffPoint>> tradeoffs;
 };
 
 struct Dossier {

@@ -265,17 +265,6 @@ std::string mismatch_tables(const SceneDossier& scene) {
 
 // ---- The worst rays.
 
-std::string ray_text(const Ray& ray) {
-    return fmt::format("--ray {},{},{},{},{},{},{},{}", exact(ray.org.x), exact(ray.org.y),
-                       exact(ray.org.z), exact(ray.tmin), exact(ray.dir.x), exact(ray.dir.y),
-                       exact(ray.dir.z), exact(ray.tmax));
-}
-
-std::string hit_text(double t, uint32_t prim_id, uint32_t inst_id) {
-    if (inst_id == kNoId) return "miss";
-    return fmt::format("t {:.9g}<small>triangle {}<br>instance {}</small>", t, prim_id, inst_id);
-}
-
 std::string worst_row(const SceneDossier& scene, const Entry<CheckRecord>& check, size_t c) {
     const WorstRay& worst = *check->classes[c].worst;
     const Verdict& verdict = worst.verdict;
@@ -399,6 +388,17 @@ std::string slack_explanation(const Dossier& dossier, const SceneDossier& scene)
 }
 
 }  // namespace
+
+std::string ray_text(const Ray& ray) {
+    return fmt::format("--ray {},{},{},{},{},{},{},{}", exact(ray.org.x), exact(ray.org.y),
+                       exact(ray.org.z), exact(ray.tmin), exact(ray.dir.x), exact(ray.dir.y),
+                       exact(ray.dir.z), exact(ray.tmax));
+}
+
+std::string hit_text(double t, uint32_t prim_id, uint32_t inst_id) {
+    if (inst_id == kNoId) return "miss";
+    return fmt::format("t {:.9g}<small>triangle {}<br>instance {}</small>", t, prim_id, inst_id);
+}
 
 std::string scene_section(const Dossier& dossier, const SceneDossier& scene) {
     std::string html = fmt::format("<section id=\"scene-{}\" class=\"scene\">\n<h2>{}</h2>\n",
