@@ -3,6 +3,8 @@
 // `Program` is a struct whose members are the strategy's whole shader text (twin_unit.cpp.in).
 #pragma once
 
+#include <algorithm>
+
 #include "core/error.h"
 #include "gpu_glsl/twin/twin_unit.h"
 
