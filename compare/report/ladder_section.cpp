@@ -74,7 +74,7 @@ std::string fate_cell(const Fate& fate, size_t rungs, bool first) {
 
 // ---- The table over all ladders.
 
-std::string climber_heading(const Climber& climber) {
+std::string climber_heading(const Climber& climber, const char* css) {
     const std::string family = family_of(climber.tracer);
     const std::string rest =
         climber.tracer.substr(std::min(family.size() + 1, climber.tracer.size()));
@@ -83,14 +83,14 @@ std::string climber_heading(const Climber& climber) {
     if (!climber.setting.empty()) {
         html += fmt::format("<small>{}</small>", escape(climber.setting));
     }
-    return fmt::format("<th scope=\"col\" class=\"text\">{}</th>", html);
+    return fmt::format("<th scope=\"col\" class=\"{}\">{}</th>", css, html);
 }
 
 std::string summary_table(const std::vector<LadderOfRun>& ladders,
                           const std::vector<Climber>& columns) {
     std::string html = open_table("Where each method first fails", "ladders") + "<thead><tr>" +
                        heading_cell("Ladder", "text");
-    for (const Climber& climber : columns) html += climber_heading(climber);
+    for (const Climber& climber : columns) html += climber_heading(climber, "text");
     html += "</tr></thead><tbody>\n";
     for (const LadderOfRun& ladder : ladders) {
         const std::vector<Climber> first = earliest_failures(*ladder.record);
@@ -189,10 +189,10 @@ std::string rung_cell(const RungRecord* rung) {
 std::string all_rungs(const LadderRecord& ladder, const std::vector<Climber>& all) {
     std::string html = "<details><summary>Every rung: failures of trials</summary>\n" +
                        open_table("Failures on every rung: " + ladder.title, "dense") +
-                       "<thead><tr>" + heading_cell(escape(ladder.knob), "text");
+                       "<thead><tr>" + heading_cell(escape(axis_title(ladder)), "text");
     std::vector<std::vector<const RungRecord*>> columns;
     for (const Climber& climber : all) {
-        html += climber_heading(climber);
+        html += climber_heading(climber, "name");
         columns.push_back(rungs_of(ladder, climber));
     }
     html += "</tr></thead><tbody>\n";

@@ -115,6 +115,10 @@ std::vector<const RungRecord*> rungs_of(const LadderRecord& ladder, const Climbe
     return all;
 }
 
+std::string axis_title(const LadderRecord& ladder) {
+    return ladder.unit.empty() ? ladder.knob : ladder.knob + ", " + ladder.unit;
+}
+
 std::string knob_text(const RungRecord& rung) {
     if (!rung.label.empty()) return rung.label;
     const double magnitude = std::abs(rung.knob);

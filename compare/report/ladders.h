@@ -40,6 +40,9 @@ std::vector<const RungRecord*> steps(const LadderRecord& ladder);
 /// What `climber` did on each step; null where it did not take part.
 std::vector<const RungRecord*> rungs_of(const LadderRecord& ladder, const Climber& climber);
 
+/// "distance from the origin, scene sizes". Not escaped.
+std::string axis_title(const LadderRecord& ladder);
+
 /// The rung as text: its label; else the knob, "0.5", "65,536", "10⁻⁷", "2.5 × 10⁹".
 std::string knob_text(const RungRecord& rung);
 

@@ -349,7 +349,7 @@
         },
     });
 
-    // ... and that axis: a tick a decade, and one for the strip.
+    // ... and that axis: a tick for the strip, and one a decade that is not too close to it.
     const rateAxis = (title, band, max, none) => {
         const middle = Math.sqrt(band.low * band.high);
         return axis(title, {
@@ -358,7 +358,7 @@
             max,
             afterBuildTicks: (scale) => {
                 const decades = [...Array(16).keys()].map((k) => 10 ** -k).reverse();
-                scale.ticks = [{ value: middle }, ...decades.filter((v) => v > band.high && v <= max).map((value) => ({ value }))];
+                scale.ticks = [{ value: middle }, ...decades.filter((v) => v > 3 * band.high && v <= max).map((value) => ({ value }))];
             },
             ticks: { callback: (v) => (v < band.high ? none : share(v)), maxRotation: 0 },
         });

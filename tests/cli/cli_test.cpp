@@ -465,6 +465,35 @@ TEST(Bench, refuses_too_few_repetitions) {
                    "--repetitions");
 }
 
+TEST(Bench, of_settings_judges_every_answer_and_marks_the_front) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        onepass_in(folder, {"bench", "knife", "--settings", "--size", "16x16", "--rays", "vertex",
+                            "--warm-up", "0", "--repetitions", "9", "--json", "run.json"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Results results = read_results(folder.path() / "run.json");
+    ASSERT_FALSE(results.tradeoffs.empty());
+    EXPECT_EQ(results.tradeoffs[0].tracer, "embree/robust/threads");
+    EXPECT_EQ(results.tradeoffs[0].ratio, 1.0);
+    uint64_t slack = 0;
+    for (const TradeoffPoint& point : results.tradeoffs) {
+        EXPECT_EQ(point.scene, "knife");
+        EXPECT_EQ(point.rays, "vertex");
+        EXPECT_EQ(point.ray_count, 256u);
+        EXPECT_EQ(point.wall_ms.size(), 9u);
+        if (point.setting == "geometry=half") slack = point.errors;
+    }
+    EXPECT_GT(slack, 0u) << "triangles in 16 bits leave holes";
+    EXPECT_NE(outcome.out.find("* on the Pareto front"), std::string::npos);
+    EXPECT_NE(outcome.out.find("geometry=half"), std::string::npos);
+}
+
+TEST(Bench, refuses_to_choose_strategies_for_its_settings) {
+    const TemporaryFolder folder;
+    expect_refused(folder, {"bench", "knife", "--settings", "-s", "paper"}, "--settings");
+    expect_refused(folder, {"bench", "knife", "--entry", "compute"}, "--settings");
+}
+
 TEST(Tune, refuses_a_strategy_without_grids) {
     const TemporaryFolder folder;
     expect_refused(folder, {"tune", "balls-1", "-s", "embree/fast"}, "density");
