@@ -198,6 +198,7 @@ TEST(LadderChart, draws_a_rate_of_zero_below_one_over_the_trials_and_others_wher
     const LadderChart chart = ladder_chart(ladder);
     EXPECT_EQ(chart.least_trials, 4096u);
     EXPECT_EQ(chart.most_trials, 100000u);
+    EXPECT_LT(chart.band.high, 1.0 / 100000.0) << "the whole strip";
     std::vector<double> zeros;
     for (const LadderChart::Line& line : chart.lines) {
         for (const LadderChart::Point& point : line.points) {
