@@ -228,14 +228,17 @@ StressExperiment ladder_experiment(const Ladder& ladder) {
             }};
 }
 
-std::vector<std::string> first_to_fail(const LadderRecord& ladder) {
-    const auto first = std::find_if(ladder.rungs.begin(), ladder.rungs.end(),
-                                    [](const RungRecord& rung) { return rung.failed() > 0; });
-    std::vector<std::string> names;
-    for (auto rung = first; rung != ladder.rungs.end() && on_same_rung(*first, *rung); ++rung) {
-        if (rung->failed() > 0) names.push_back(rung->tracer);
+std::vector<const RungRecord*> outlasting(const LadderRecord& ladder, const std::string& tracer,
+                                          const std::string& setting) {
+    std::vector<const RungRecord*> others;
+    const RungRecord* broken = breaks_at(ladder, tracer, setting);
+    if (broken == nullptr) return others;
+    for (const RungRecord& rung : ladder.rungs) {
+        if (!on_same_rung(rung, *broken) || rung.trials == 0) continue;
+        const RungRecord* end = breaks_at(ladder, rung.tracer, rung.setting);
+        if (end == nullptr || end > &rung) others.push_back(&rung);  // records are in rung order
     }
-    return names;
+    return others;
 }
 
 }  // namespace onepass

@@ -56,7 +56,9 @@ LadderRecord climb(const Ladder& ladder, const StressSetup& setup, const Progres
 /// The experiment that climbs this ladder.
 StressExperiment ladder_experiment(const Ladder& ladder);
 
-/// The names of those who fail on the first rung on which anybody does; empty if nobody ever does.
-std::vector<std::string> first_to_fail(const LadderRecord& ladder);
+/// Those who outlast a tracer: on the rung where it first fails they take part, and have not failed
+/// yet. None if it never fails.
+std::vector<const RungRecord*> outlasting(const LadderRecord& ladder, const std::string& tracer,
+                                          const std::string& setting);
 
 }  // namespace onepass

@@ -112,11 +112,12 @@ std::vector<Ray> rays_at_surfaces(const Scene& scene, size_t count, uint64_t see
 
 // ---- Ladders
 
-std::vector<double> powers_of_ten(int first, int last, int step) {
-    std::vector<double> powers;
-    const int count = (last - first) / step;
-    for (int i = 0; i <= count; ++i)
-        powers.push_back(std::stod("1e" + std::to_string(first + i * step)));
+double power_of_ten(int power) { return std::stod("1e" + std::to_string(power)); }
+
+std::vector<double> powers_of_ten(int first, int last) {
+    const int step = last < first ? -1 : 1;
+    std::vector<double> powers = {power_of_ten(first)};
+    for (int power = first; power != last;) powers.push_back(power_of_ten(power += step));
     return powers;
 }
 

@@ -64,8 +64,10 @@ std::vector<Ray> rays_at_surfaces(const Scene& scene, size_t count, uint64_t see
 
 // ---- Ladders.
 
-/// 10^first, 10^(first + step), ... up to 10^last, rounded as decimal numbers are.
-std::vector<double> powers_of_ten(int first, int last, int step = 1);
+/// Rounded as decimal numbers are.
+double power_of_ten(int power);
+/// From 10^first to 10^last, decade by decade, up or down.
+std::vector<double> powers_of_ten(int first, int last);
 
 using RayMaker = std::function<std::vector<Ray>(const Scene&, size_t, uint64_t)>;
 

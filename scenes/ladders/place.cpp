@@ -40,13 +40,18 @@ Ladder there_and_back_ladder() {
             })};
 }
 
-Ladder scale_ladder(const char* id, const char* title, const char* question, int step) {
+/// `sign`: 1 to large scenes, -1 to small ones. Close steps where floats begin to fail.
+Ladder scale_ladder(const char* id, const char* title, const char* question, int sign) {
+    std::vector<double> knobs;
+    for (const int power : {0, 3, 6, 9, 10, 11, 12, 13, 14, 15, 18}) {
+        knobs.push_back(power_of_ten(sign * power));
+    }
     return {.id = id,
             .title = title,
             .question = question,
             .knob = "size of the scene",
             .unit = "scene units",
-            .rungs = rungs_of(powers_of_ten(0, 6 * step, step), [](double knob) {
+            .rungs = rungs_of(knobs, [](double knob) {
                 return scene_of(mapped(ball(), [&](const dvec3& p) { return p * knob; }));
             })};
 }
@@ -151,11 +156,11 @@ std::vector<Ladder> place_ladders() {
             scale_ladder("scale-up", "Large scenes",
                          "Products of three lengths, as in determinants, leave the range of a "
                          "float when lengths are near 1e13; squares when they are near 1e19.",
-                         3),
+                         1),
             scale_ladder("scale-down", "Small scenes",
                          "Products of three lengths become denormal numbers, and then 0, when "
                          "lengths are near 1e-13. A constant epsilon is larger than such a scene.",
-                         -3),
+                         -1),
             stadium_ladder()};
 }
 

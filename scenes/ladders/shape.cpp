@@ -78,7 +78,7 @@ Ladder grazing_ladder() {
             .knob = "angle to the surface",
             .unit = "radians",
             .rungs = rungs_of(
-                powers_of_ten(0, -7, -1), [](double) { return scene_of(sheet()); }, grazing_rays)};
+                powers_of_ten(0, -7), [](double) { return scene_of(sheet()); }, grazing_rays)};
 }
 
 /// Two sheets in one mesh.
@@ -98,7 +98,7 @@ Scene sheet_twice(double distance) {
 }
 
 std::vector<Rung> down_to_coincident(int last, Scene (*make_scene)(double)) {
-    std::vector<double> knobs = powers_of_ten(-1, last, -1);
+    std::vector<double> knobs = powers_of_ten(-1, last);
     knobs.push_back(0.0);
     std::vector<Rung> rungs = rungs_of(knobs, make_scene);
     rungs.back().label = "coincident";

@@ -20,7 +20,7 @@ Ladder stretch_ladder() {
                 "a ray's direction has components of very different size.",
             .knob = "largest / smallest factor",
             .unit = "",
-            .rungs = rungs_of(powers_of_ten(0, 7), [](double knob) {
+            .rungs = rungs_of(powers_of_ten(0, 6), [](double knob) {
                 return placed_ball(scaling(vec3(single(knob), 1, 1)));
             })};
 }
@@ -33,7 +33,7 @@ Ladder shear_ladder() {
                 "numbers to find small ones.",
             .knob = "x moved by so many y",
             .unit = "",
-            .rungs = rungs_of(powers_of_ten(0, 7),
+            .rungs = rungs_of(powers_of_ten(0, 6),
                               [](double knob) { return placed_ball(shear_x_by_y(single(knob))); })};
 }
 
@@ -42,12 +42,11 @@ Ladder mirror_ladder() {
             .title = "Mirrored instances",
             .question =
                 "A ball that its instance mirrors (the determinant is negative, and what "
-                "was counter-clockwise no longer is), enlarged along one axis and "
-                "flattened along another.",
-            .knob = "factor, and its inverse",
-            .unit = "",
-            .rungs = rungs_of(powers_of_ten(0, 5), [](double knob) {
-                return placed_ball(scaling(vec3(-single(knob), 1, single(1.0 / knob))));
+                "was counter-clockwise no longer is) and flattens.",
+            .knob = "height of the flattened ball",
+            .unit = "of its width",
+            .rungs = rungs_of(powers_of_ten(0, -7), [](double knob) {
+                return placed_ball(scaling(vec3(-1, 1, single(knob))));
             })};
 }
 
@@ -60,7 +59,7 @@ Ladder singular_ladder() {
                 "coincide.",
             .knob = "height of the third column over the others' plane",
             .unit = "",
-            .rungs = rungs_of(powers_of_ten(0, -6, -1), [](double knob) {
+            .rungs = rungs_of(powers_of_ten(0, -6), [](double knob) {
                 Affine flat = affine_identity();
                 flat[2] = vec3(0.6f, 0.8f, single(knob));
                 return placed_ball(flat);
