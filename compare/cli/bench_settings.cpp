@@ -37,8 +37,8 @@ std::vector<Contestant> make_contestants(const Session& session, const Court& co
         const CatalogueEntry& listed = session.catalogue.at(entry_name(setting, entry));
         const std::string params = params_text(setting.params);
         const auto leave_out = [&](const std::string& why) {
-            bar.say(fmt::format("onepass: {}: {}{} is left out: {}", court.open.name,
-                                listed.info.name, params.empty() ? "" : " (" + params + ")", why));
+            bar.say(fmt::format("{}: {}{} is left out: {}", court.open.name, listed.info.name,
+                                params.empty() ? "" : " (" + params + ")", why));
         };
         if (setting.tracer.starts_with("brute_force/") &&
             rays * court.open.record.triangles > kMostBruteForceTests) {

@@ -109,7 +109,7 @@ json ladder_json(const LadderRecord& ladder, const std::vector<std::string>& col
     }
     json ticks = json::array();
     for (const auto& tick : chart.ticks) ticks.push_back({{"x", tick.x}, {"text", tick.text}});
-    return {{"axis", ladder.unit.empty() ? ladder.knob : ladder.knob + ", " + ladder.unit},
+    return {{"axis", axis_title(ladder)},
             {"ticks", ticks},
             {"scaled", chart.to_scale_until},
             {"band", band_json(chart.band)},

@@ -74,23 +74,23 @@ std::string fate_cell(const Fate& fate, size_t rungs, bool first) {
 
 // ---- The table over all ladders.
 
-std::string climber_heading(const Climber& climber) {
+std::string climber_heading(const Climber& climber, const char* css) {
     const std::string family = family_of(climber.tracer);
     const std::string rest =
         climber.tracer.substr(std::min(family.size() + 1, climber.tracer.size()));
     std::string html = escape(family);
     if (!rest.empty()) html += fmt::format("<small>{}</small>", breakable(escape(rest)));
     if (!climber.setting.empty()) {
-        html += fmt::format("<small>{}</small>", breakable(escape(climber.setting)));
+        html += fmt::format("<small>{}</small>", escape(climber.setting));
     }
-    return fmt::format("<th scope=\"col\" class=\"text\">{}</th>", html);
+    return fmt::format("<th scope=\"col\" class=\"{}\">{}</th>", css, html);
 }
 
 std::string summary_table(const std::vector<LadderOfRun>& ladders,
                           const std::vector<Climber>& columns) {
     std::string html = open_table("Where each method first fails", "ladders") + "<thead><tr>" +
                        heading_cell("Ladder", "text");
-    for (const Climber& climber : columns) html += climber_heading(climber);
+    for (const Climber& climber : columns) html += climber_heading(climber, "text");
     html += "</tr></thead><tbody>\n";
     for (const LadderOfRun& ladder : ladders) {
         const std::vector<Climber> first = earliest_failures(*ladder.record);
@@ -156,7 +156,7 @@ std::string breaks_row(const LadderRecord& ladder, const Climber& climber) {
     std::string html = fmt::format("<tr><th scope=\"row\">{}</th>", code(name_of(climber)));
     html += cell(fate_badge(fate), "text");
     html += fate.breaks
-                ? cell(share_text(*fate.breaks)) + cell(kinds_text(*fate.breaks), "text")
+                ? cell(share_text(*fate.breaks)) + cell(kinds_text(*fate.breaks), "text kinds")
                 : cell(fate.climbed > 0 ? "none of " + grouped(trials) : "–") + cell("–", "text");
     html += fate.worst ? cell(fmt::format("at {}<small>{}</small>", escape(knob_text(*fate.worst)),
                                           percent(fate.worst->failed(), fate.worst->trials)))
@@ -189,10 +189,10 @@ std::string rung_cell(const RungRecord* rung) {
 std::string all_rungs(const LadderRecord& ladder, const std::vector<Climber>& all) {
     std::string html = "<details><summary>Every rung: failures of trials</summary>\n" +
                        open_table("Failures on every rung: " + ladder.title, "dense") +
-                       "<thead><tr>" + heading_cell(escape(ladder.knob), "text");
+                       "<thead><tr>" + heading_cell(escape(axis_title(ladder)), "text");
     std::vector<std::vector<const RungRecord*>> columns;
     for (const Climber& climber : all) {
-        html += climber_heading(climber);
+        html += climber_heading(climber, "name");
         columns.push_back(rungs_of(ladder, climber));
     }
     html += "</tr></thead><tbody>\n";
@@ -258,6 +258,38 @@ std::string ladder_block(const LadderOfRun& ladder, size_t index) {
     return html;
 }
 
+// ---- The grid beside the others.
+
+/// Of the climbers of strategy grid that are no twins.
+std::vector<Fate> grid_fates(const LadderRecord& ladder) {
+    std::vector<Fate> fates;
+    for (const Climber& climber : climbers({&ladder})) {
+        if (is_twin(climber) || family_of(climber.tracer) != "grid") continue;
+        fates.push_back(fate_of(ladder, climber));
+    }
+    return fates;
+}
+
+/// The ladders on which grid is among the first to fail, with the rung and those beside it.
+std::vector<std::string> grid_firsts(const std::vector<LadderOfRun>& ladders, Rivals rivals) {
+    std::vector<std::string> all;
+    for (const LadderOfRun& ladder : ladders) {
+        std::string where;
+        std::vector<std::string> others;
+        for (const Climber& climber : earliest_failures(*ladder.record, rivals)) {
+            if (family_of(climber.tracer) == "grid") {
+                where = breaks_text(fate_of(*ladder.record, climber));
+            } else {
+                others.push_back("<code>" + escape(name_of(climber)) + "</code>");
+            }
+        }
+        if (where.empty()) continue;
+        all.push_back(fmt::format("{} ({}, {})", link(ladder), escape(where),
+                                  others.empty() ? "alone" : "with " + joined(others)));
+    }
+    return all;
+}
+
 }  // namespace
 
 std::vector<LadderOfRun> ladders_of(const Dossier& dossier) {
@@ -275,53 +307,29 @@ std::vector<LadderOfRun> ladders_of(const Dossier& dossier) {
 
 std::string grid_first_sentence(const std::vector<LadderOfRun>& ladders) {
     size_t climbed = 0;
-    std::vector<std::string> first, later;
+    std::vector<std::string> failed;
     for (const LadderOfRun& ladder : ladders) {
-        bool took_part = false, failed = false, was_first = false;
-        std::vector<std::string> others;
-        for (const Climber& climber : climbers({ladder.record})) {
-            if (is_twin(climber) || family_of(climber.tracer) != "grid") continue;
-            const Fate fate = fate_of(*ladder.record, climber);
-            took_part |= fate.climbed > 0;
-            failed |= fate.breaks != nullptr;
-        }
-        std::string where;
-        for (const Climber& climber : earliest_failures(*ladder.record)) {
-            if (family_of(climber.tracer) == "grid") {
-                was_first = true;
-                where = breaks_text(fate_of(*ladder.record, climber));
-            } else {
-                others.push_back("<code>" + escape(name_of(climber)) + "</code>");
-            }
-        }
-        climbed += took_part ? 1 : 0;
-        if (was_first) {
-            first.push_back(fmt::format("{} ({}{})", link(ladder), escape(where),
-                                        others.empty() ? ", alone" : ", with " + joined(others)));
-        } else if (failed) {
-            later.push_back(link(ladder));
-        }
+        const std::vector<Fate> fates = grid_fates(*ladder.record);
+        const auto some = [&](auto&& test) {
+            return std::any_of(fates.begin(), fates.end(), test);
+        };
+        climbed += some([](const Fate& fate) { return fate.climbed > 0; }) ? 1 : 0;
+        if (some([](const Fate& fate) { return fate.breaks; })) failed.push_back(link(ladder));
     }
     if (climbed == 0) return "<code>grid</code> climbed none of these ladders.";
-
-    const std::string of_all = climbed == 1
-                                   ? "the one ladder that it climbed"
-                                   : fmt::format("the {} ladders that it climbed", climbed);
-    if (first.empty() && later.empty()) {
-        return climbed == 1 ? fmt::format("<code>grid</code> does not fail on {}.", of_all)
-                            : fmt::format("<code>grid</code> fails on none of {}.", of_all);
+    if (failed.empty()) {
+        return fmt::format("<code>grid</code> fails on none of the {} that it climbed.",
+                           counted(climbed, "ladder"));
     }
-    std::string text =
-        first.empty()
-            ? fmt::format("<code>grid</code> is not the first to fail on any of {}.", of_all)
-            : fmt::format(
-                  "<code>grid</code> is the first to fail, alone or with others, on {} of "
-                  "{}: {}.",
-                  first.size(), of_all, joined(first));
-    if (!later.empty()) {
-        text += fmt::format(" It fails after another on {}: {}.", later.size(), joined(later));
-    }
-    return text;
+    const auto list = [](const std::vector<std::string>& names) {
+        return names.empty() ? "none" : fmt::format("{}: {}", names.size(), joined(names));
+    };
+    return fmt::format(
+        "<code>grid</code> fails on {} of the {} that it climbed. It is the first to fail, alone "
+        "or "
+        "with others, on {}. Held against Embree alone, it is the first on {}.",
+        failed.size(), counted(climbed, "ladder"), list(grid_firsts(ladders, Rivals::all)),
+        list(grid_firsts(ladders, Rivals::embree)));
 }
 
 std::string ladder_section(const Dossier& dossier) {

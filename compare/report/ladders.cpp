@@ -115,13 +115,15 @@ std::vector<const RungRecord*> rungs_of(const LadderRecord& ladder, const Climbe
     return all;
 }
 
+std::string axis_title(const LadderRecord& ladder) {
+    return ladder.unit.empty() ? ladder.knob : ladder.knob + ", " + ladder.unit;
+}
+
 std::string knob_text(const RungRecord& rung) {
     if (!rung.label.empty()) return rung.label;
     const double magnitude = std::abs(rung.knob);
     if (!std::isfinite(rung.knob) || magnitude == 0.0) return significant(rung.knob);
     if (magnitude < 1e-3 || magnitude >= 1e6) return power_text(rung.knob);
-    const bool decade = magnitude >= 1e4 && std::fmod(std::log10(magnitude), 1.0) == 0.0;
-    if (decade) return power_text(rung.knob);
     const std::string sign = rung.knob < 0.0 ? "−" : "";
     if (magnitude == std::floor(magnitude)) return sign + grouped(static_cast<uint64_t>(magnitude));
     return sign + fmt::format("{:.4g}", magnitude);
@@ -161,12 +163,15 @@ std::string breaks_text(const Fate& fate) {
     return "not run";
 }
 
-std::vector<Climber> earliest_failures(const LadderRecord& ladder) {
+std::vector<Climber> earliest_failures(const LadderRecord& ladder, Rivals rivals) {
     std::vector<Climber> first;
     size_t lowest = std::numeric_limits<size_t>::max();
     for (const Climber& climber : climbers({&ladder})) {
+        const std::string family = family_of(climber.tracer);
+        const bool competes =
+            rivals == Rivals::all || family == "grid" || family.starts_with("embree/");
         const Fate fate = fate_of(ladder, climber);
-        if (is_twin(climber) || !fate.breaks || fate.step > lowest) continue;
+        if (is_twin(climber) || !competes || !fate.breaks || fate.step > lowest) continue;
         if (fate.step < lowest) first.clear();
         lowest = fate.step;
         first.push_back(climber);

@@ -40,6 +40,9 @@ std::vector<const RungRecord*> steps(const LadderRecord& ladder);
 /// What `climber` did on each step; null where it did not take part.
 std::vector<const RungRecord*> rungs_of(const LadderRecord& ladder, const Climber& climber);
 
+/// "distance from the origin, scene sizes". Not escaped.
+std::string axis_title(const LadderRecord& ladder);
+
 /// The rung as text: its label; else the knob, "0.5", "65,536", "10⁻⁷", "2.5 × 10⁹".
 std::string knob_text(const RungRecord& rung);
 
@@ -59,8 +62,13 @@ Fate fate_of(const LadderRecord& ladder, const Climber& climber);
 /// "never", "at 10⁴", "refused", "not run". Not escaped.
 std::string breaks_text(const Fate& fate);
 
-/// The climbers, twins apart, that fail on the lowest step on which any of them does.
-std::vector<Climber> earliest_failures(const LadderRecord& ladder);
+/// Whom `grid` is held against. Where the paper's tracer fails on every first rung, only Embree
+/// tells how good it is.
+enum class Rivals { all, embree };
+
+/// The climbers that fail on the lowest step on which any does: of all but the twins, or of the
+/// grid's and Embree's.
+std::vector<Climber> earliest_failures(const LadderRecord& ladder, Rivals rivals = Rivals::all);
 
 // ---- The chart.
 

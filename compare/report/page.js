@@ -328,45 +328,52 @@
         };
     }
 
-    // The strip of an axis of rates where a rate of 0 is drawn; its words lie in it.
-    const zeroBand = (band, axisName, text) => ({
+    // The strip of an axis of rates where a rate of 0 is drawn, ...
+    const zeroBand = (band, axisName) => ({
         id: "zeroBand",
         beforeDatasetsDraw({ ctx, scales, chartArea }) {
-            const [a, b] = [band.low, band.high].map((v) => scales[axisName].getPixelForValue(v));
+            const edge = scales[axisName].getPixelForValue(band.high);
             const { left, top, right, bottom } = chartArea;
             const lying = axisName === "y";
             ctx.save();
             ctx.fillStyle = css("--raised");
-            if (lying) ctx.fillRect(left, b, right - left, bottom - b);
-            else ctx.fillRect(left, top, b - left, bottom - top);
+            if (lying) ctx.fillRect(left, edge, right - left, bottom - edge);
+            else ctx.fillRect(left, top, edge - left, bottom - top);
             ctx.strokeStyle = css("--rule-strong");
             ctx.setLineDash([4, 3]);
             ctx.beginPath();
-            ctx.moveTo(lying ? left : b, lying ? b : top);
-            ctx.lineTo(lying ? right : b, lying ? b : bottom);
+            ctx.moveTo(lying ? left : edge, lying ? edge : top);
+            ctx.lineTo(lying ? right : edge, lying ? edge : bottom);
             ctx.stroke();
-            ctx.fillStyle = css("--quiet");
-            ctx.font = `12px ${Chart.defaults.font.family}`;
-            ctx.textAlign = lying ? "right" : "left";
-            ctx.textBaseline = "bottom";
-            if (lying) ctx.fillText(text, right - 4, b - 3);
-            else ctx.fillText(text, b + 5, bottom - 4);
             ctx.restore();
         },
     });
 
+    // ... and that axis: a tick for the strip, and one a decade that is not too close to it.
+    const rateAxis = (title, band, max, none) => {
+        const middle = Math.sqrt(band.low * band.high);
+        return axis(title, {
+            type: "logarithmic",
+            min: band.low,
+            max,
+            afterBuildTicks: (scale) => {
+                const decades = [...Array(16).keys()].map((k) => 10 ** -k).reverse();
+                scale.ticks = [{ value: middle }, ...decades.filter((v) => v > 3 * band.high && v <= max).map((value) => ({ value }))];
+            },
+            ticks: { callback: (v) => (v < band.high ? none : share(v)), maxRotation: 0 },
+        });
+    };
+
     const share = (v) => (v === 0 ? "0" : `${(100 * v).toLocaleString("en-US", { maximumSignificantDigits: 3 })} %`);
-    const shareTick = (value) => (Math.abs(Math.log10(value) % 1) < 1e-6 ? share(value) : null);
     const failures = (p) => (p.failed === 0 ? `none of ${grouped(p.trials)}` : `${grouped(p.failed)} of ${grouped(p.trials)}`);
 
-    // A rung of its own a tick; those past `scaled` have no place on the knob's axis.
-    const unscaled = (from) => ({
+    // Where the knob's axis ends: the rungs beyond have no place on it.
+    const unscaled = (from, rungs) => ({
         id: "unscaled",
         beforeDatasetsDraw({ ctx, scales, chartArea }) {
-            if (!(scales.x.max > from)) return;
-            const ticks = scales.x.ticks.map((t) => t.value).filter((v) => v > from);
-            if (ticks.length === 0) return;
-            const x = scales.x.getPixelForValue((from + Math.min(...ticks)) / 2);
+            const beyond = rungs.filter((x) => x > from);
+            if (beyond.length === 0) return;
+            const x = scales.x.getPixelForValue((from + Math.min(...beyond)) / 2);
             ctx.save();
             ctx.strokeStyle = css("--rule-strong");
             ctx.setLineDash([2, 4]);
@@ -399,24 +406,33 @@
             };
         });
         const [least, most] = climb.trials;
-        const none = least === most ? `none of ${grouped(most)}` : `none of ${grouped(least)} to ${grouped(most)}`;
+        const none = least === most ? `none of ${grouped(most)}` : [`none of ${grouped(least)}`, `to ${grouped(most)}`];
         const xs = climb.ticks.map((t) => t.x);
         const edge = 0.03 * Math.max(1e-9, Math.max(...xs) - Math.min(...xs)) || 1;
         const texts = new Map(climb.ticks.map((t) => [t.x, t.text]));
+        // Ticks from the hard end on, as far as their words have room.
+        const roomy = (scale) => {
+            const pixels = (0.86 * scale.chart.width) / (Math.max(...xs) - Math.min(...xs) + 2 * edge);
+            scale.ctx.save();
+            scale.ctx.font = `12px ${Chart.defaults.font.family}`;
+            const boxes = climb.ticks.map((t) => ({ x: t.x * pixels, half: scale.ctx.measureText(t.text).width / 2 + 5, value: t.x }));
+            scale.ctx.restore();
+            const kept = [];
+            for (const box of boxes.sort((a, b) => b.x - a.x)) {
+                const last = kept[kept.length - 1];
+                if (!last || last.x - box.x > last.half + box.half) kept.push(box);
+            }
+            return kept.reverse().map(({ value }) => ({ value }));
+        };
         const options = base({
             x: axis(climb.axis, {
                 type: "linear",
                 min: Math.min(...xs) - edge,
                 max: Math.max(...xs) + edge,
-                afterBuildTicks: (scale) => { scale.ticks = climb.ticks.map((t) => ({ value: t.x })); },
-                ticks: { callback: (v) => texts.get(v), autoSkip: true, autoSkipPadding: 6, maxRotation: 50 },
+                afterBuildTicks: (scale) => { scale.ticks = roomy(scale); },
+                ticks: { callback: (v) => texts.get(v), autoSkip: false, maxRotation: 0 },
             }),
-            y: axis(narrow ? "" : "share of failures", {
-                type: "logarithmic",
-                min: climb.band.low,
-                max: 1.5,
-                ticks: { callback: (v) => (v > climb.band.high ? shareTick(v) : null) },
-            }),
+            y: rateAxis(narrow ? "" : "share of failures", climb.band, 1.5, narrow ? "none" : none),
         }, (item) => `${item.dataset.label}, ${item.raw.knob}: ${failures(item.raw)}`);
         options.plugins.legend = {
             display: true,
@@ -424,7 +440,7 @@
             labels: { color: css("--ink"), usePointStyle: true, boxHeight: 6, padding: narrow ? 8 : 12, font: { size: narrow ? 10 : 12 } },
         };
         if (narrow) plot.style.height = "28rem";
-        return { type: "line", plugins: [zeroBand(climb.band, "y", none), unscaled(climb.scaled)], data: { datasets }, options };
+        return { type: "line", plugins: [zeroBand(climb.band, "y"), unscaled(climb.scaled, xs)], data: { datasets }, options };
     }
 
     // Upright whiskers, dataset.interval[i] = [low, high]; and each point's number, put where it
@@ -452,18 +468,21 @@
             }
             ctx.font = `600 12px ${Chart.defaults.font.family}`;
             ctx.fillStyle = css("--ink");
+            ctx.strokeStyle = css("--ground");
+            ctx.lineWidth = 3;
             ctx.textAlign = "center";
             ctx.textBaseline = "middle";
             const taken = points.map(({ p }) => ({ x: p.x, y: p.y, w: 6, h: 6 }));
             for (const { p, dataset, i } of points) {
                 const text = String(dataset.data[i].number);
                 const box = { w: 3 + 3.5 * text.length, h: 7 };
-                const places = [[11, 0], [-11, 0], [9, -11], [-9, -11], [9, 11], [-9, 11], [0, -15], [0, 15], [22, 0], [-22, 0], [20, -14], [20, 14]]
+                const places = [[0, -15], [-10, -13], [10, -13], [-14, 0], [14, 0], [-10, 13], [10, 13], [0, 15], [26, 0], [-26, 0], [22, -15], [22, 15]]
                     .map(([x, y]) => ({ x: p.x + x + Math.sign(x) * (box.w - 6), y: p.y + y, ...box }))
                     .filter((a) => a.x - a.w > chartArea.left && a.x + a.w < chartArea.right);
                 const free = places.find((a) => taken.every((b) =>
                     Math.abs(a.x - b.x) > a.w + b.w || Math.abs(a.y - b.y) > a.h + b.h)) ?? places[0];
                 taken.push(free);
+                ctx.strokeText(text, free.x, free.y);
                 ctx.fillText(text, free.x, free.y);
             }
             ctx.restore();
@@ -494,7 +513,7 @@
             label,
             data: points.filter((p) => p[member]).sort((a, b) => a.x - b.x),
             showLine: true,
-            stepped: "after",
+            stepped: "before",
             radius: 0,
             hoverRadius: 0,
             pointStyle: "line",
@@ -508,12 +527,7 @@
         const right = Math.max(...points.map((p) => p.x), 20 * cloud.band.high);
         const rays = Math.max(...points.map((p) => p.count));
         const options = base({
-            x: axis("share of wrong answers", {
-                type: "logarithmic",
-                min: cloud.band.low,
-                max: Math.min(1.5, 2 * right),
-                ticks: { callback: (v) => (v > cloud.band.high ? shareTick(v) : null), maxRotation: 0 },
-            }),
+            x: rateAxis("share of wrong answers", cloud.band, Math.min(1.5, 2 * right), narrow ? "none" : `none of ${grouped(rays)}`),
             y: axis(narrow ? "" : "times Embree’s speed", {
                 type: "logarithmic",
                 ...margins(points.flatMap((p) => [p.low ?? p.y, p.high ?? p.y]), 1.4),
@@ -529,7 +543,7 @@
             labels: { color: css("--ink"), usePointStyle: true, boxHeight: 7, padding: narrow ? 8 : 14 },
             onClick: () => {},
         };
-        return { type: "scatter", plugins: [zeroBand(cloud.band, "x", `none of ${grouped(rays)}`), upright], data: { datasets: [...datasets, ...fronts] }, options };
+        return { type: "scatter", plugins: [zeroBand(cloud.band, "x"), upright], data: { datasets: [...datasets, ...fronts] }, options };
     }
 
     const makers = { ratios, scatter, sweep, claims, series, motion, ladder, tradeoff };

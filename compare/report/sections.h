@@ -82,7 +82,8 @@ struct LadderOfRun {
 };
 std::vector<LadderOfRun> ladders_of(const Dossier& dossier);
 
-/// On which ladders `grid` is among the first to fail, or that it is on none. Escaped.
+/// On how many ladders `grid` fails, and on which it is among the first to: of all, and of itself
+/// and Embree. Escaped.
 std::string grid_first_sentence(const std::vector<LadderOfRun>& ladders);
 
 /// One chart of speed against accuracy.

@@ -75,9 +75,9 @@ std::string front_cell(bool front, bool of_rest) {
 std::string part_cell(const Cloud& cloud, const TradeoffPoint& point, const std::string& kind) {
     for (const TradeoffPoint& part : cloud.parts) {
         if (part.rays != kind || !(setting_of(part) == setting_of(point))) continue;
-        return cell(fmt::format("{} ×<small>{}</small>", significant(part.ratio),
-                                counted(part.errors, "error")),
-                    part.errors == 0 ? "zero" : "bad");
+        return cell(fmt::format("{} ×<small{}>{}</small>", significant(part.ratio),
+                                part.errors == 0 ? "" : " class=\"bad\"",
+                                counted(part.errors, "error")));
     }
     return cell("–");
 }
@@ -87,7 +87,7 @@ std::string point_row(const Cloud& cloud, size_t i, const std::vector<std::strin
     std::string html = "<tr>" + cell(std::to_string(cloud.numbers[i]));
     html += fmt::format("<th scope=\"row\"><code>{}</code>", breakable(escape(point.tracer)));
     if (!point.setting.empty()) {
-        html += fmt::format("<small>{}</small>", breakable(escape(point.setting)));
+        html += fmt::format("<small>{}</small>", escape(point.setting));
     }
     html += "</th>" + front_cell(cloud.front[i], cloud.front_of_rest[i]) + ratio_cell(point);
     html += cell(fmt::format("{}<small>{}</small>", grouped(point.errors),
@@ -210,7 +210,7 @@ std::string tradeoff_section(const Dossier& dossier) {
         "<p class=\"lead\">The same rays by every setting, all in random order in the same rounds, "
         "and every answer judged. Up is faster, left is more often right.</p>\n";
     for (size_t i = 0; i < all.size(); ++i) {
-        const bool several = all.back().run > 0;
+        const bool several = all.back().run != all.front().run;
         html +=
             cloud_block(all[i], i, several ? device_of((*dossier.runs)[all[i].run].manifest) : "");
     }
