@@ -96,7 +96,7 @@ std::string fate_of_the_right(Tracer& tracer, const RayWalk& walk, const Meeting
     const Handling h = handling_of(tracer, walk, right.inst_id, right.prim_id);
     const std::string name = "the true " + triangle_text(right);
     if (!h.accepted.empty()) {
-        return fmt::format("{} was accepted in cell {} at t {}, and another one after it", name,
+        return fmt::format("{} was accepted in cell {} at t {:.9g}, and another one after it", name,
                            cells_text(h.accepted), h.accepted_t);
     }
     if (!h.rejected.empty()) {
@@ -147,10 +147,11 @@ std::vector<std::string> reasons_for(const RayTruth& truth, const Statement& sta
     if (verdict.hit_class == HitClass::tie) {
         size_t as_near = 0;
         for (const Meeting& m : truth.hits) as_near += m.is_right ? 1 : 0;
-        reasons.push_back(as_near > 1 ? fmt::format("{} triangles are right, at equal t or at an "
-                                                    "end of the interval; it names another one",
-                                                    as_near)
-                                      : "a hit at an end of the interval may count or not");
+        reasons.push_back(
+            as_near > 1 ? fmt::format("{} triangles are right, at equal t or at an end of the "
+                                      "interval; by rule the one with the lowest ids is named",
+                                      as_near)
+                        : "a hit at an end of the interval may count or not");
     } else if (hit_meeting != nullptr && hit_meeting->is_right) {
         reasons.push_back(fmt::format("the triangle is right, its t is off by {:.3g} ulps",
                                       verdict.t_error_ulps));
@@ -167,7 +168,7 @@ std::vector<std::string> reasons_for(const RayTruth& truth, const Statement& sta
     if (walk != nullptr && answered != nullptr && !answered->is_right) {
         const Handling h = handling_of(*walker, *walk, hit.inst_id, hit.prim_id);
         if (!h.accepted.empty()) {
-            reasons.push_back(fmt::format("{} was tested in cell {} and accepted at t {}",
+            reasons.push_back(fmt::format("{} was tested in cell {} and accepted at t {:.9g}",
                                           triangle_text(*answered), cells_text(h.accepted),
                                           h.accepted_t));
         }
@@ -180,8 +181,7 @@ std::vector<std::string> reasons_for(const RayTruth& truth, const Statement& sta
     if (right != truth.hits.end() && !names_a_right_one) {
         reasons.push_back(walk != nullptr
                               ? fate_of_the_right(*walker, *walk, *right)
-                              : fmt::format("it lost the true {}, which is hit {:.3g} of E_ray "
-                                            "from its {}",
+                              : fmt::format("truly hit is {}, {:.3g} of E_ray from its {}",
                                             triangle_text(*right), right->edge_moves,
                                             edge_text(*right)));
     }

@@ -134,6 +134,14 @@ std::string tracer_section(const Explanation& e) {
         if (s.flags & kFlagExhausted) text += "; ran out of a loop budget";
         if (s.flags & kFlagOracleInvalid) text += "; cannot take this ray";
         text += "\n";
+        const Statement* same = nullptr;  // the first with these reasons
+        for (const Statement& other : e.statements) {
+            if (!same && !s.reasons.empty() && other.reasons == s.reasons) same = &other;
+        }
+        if (same && same != &s) {
+            text += fmt::format("    - as {}\n", same->tracer);
+            continue;
+        }
         for (const std::string& reason : s.reasons) text += fmt::format("    - {}\n", reason);
     }
     return text;
@@ -151,7 +159,8 @@ std::string tests_text(const WalkStep& step, const Hit& hit) {
         text += fmt::format(" {}", test.prim_id);
         const bool is_answer = test.prim_id == hit.prim_id && step.inst_id == hit.inst_id;
         if (test.accepted) {
-            text += fmt::format(" [accepted at t {}{}]", test.t, is_answer ? ", the answer" : "");
+            text +=
+                fmt::format(" [accepted at t {:.9g}{}]", test.t, is_answer ? ", the answer" : "");
         }
     }
     return text;

@@ -125,6 +125,7 @@ int compare(const ExactT& a, const ExactT& b) {
 
 double rounded(const Dyadic& above, const Dyadic& below) {
     using boost::multiprecision::cpp_rational;
+    if (*sign_of(below) < 0) return rounded(-above, -below);  // what Boost's fractions ask for
     const cpp_rational quotient(above.mantissa, below.mantissa);
     return std::ldexp(quotient.convert_to<double>(), above.exponent - below.exponent);
 }

@@ -92,8 +92,8 @@ TEST(Help, lists_every_command) {
     const TemporaryFolder folder;
     const Outcome outcome = onepass_in(folder, {"--help"});
     EXPECT_EQ(outcome.exit_code, 0);
-    for (const char* command : {"doctor", "list", "render", "check", "bench", "tune", "stress",
-                                "reproduce", "report", "shader", "scenes"}) {
+    for (const char* command : {"doctor", "list", "render", "check", "explain", "bench", "tune",
+                                "stress", "reproduce", "report", "shader", "scenes"}) {
         EXPECT_NE(outcome.out.find(std::string("\n  ") + command), std::string::npos) << command;
     }
     EXPECT_NE(outcome.out.find("Exit codes"), std::string::npos);
@@ -119,6 +119,73 @@ TEST(Usage, without_a_command_or_with_an_unknown_one_is_refused) {
     expect_refused(folder, {"render"}, "scene");
     expect_refused(folder, {"render", "balls-1", "--colour"}, "--colour");
     expect_refused(folder, {"--gl", "vulkan", "list"}, "vulkan");
+}
+
+const std::vector<std::string> kSmallExplain = {"explain",     "balls-1", "-s",
+                                                "embree/fast", "-s",      "grid/*/twin32"};
+
+TEST(Explain, tells_one_ray_of_an_image_and_leaves_a_scene_that_says_the_same) {
+    const TemporaryFolder folder;
+    const Outcome outcome = onepass_in(
+        folder, with(kSmallExplain,
+                     {"--pixel", "32,32", "--size", "64x64", "-o", "out/ray", "--json", "e.json"}));
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    for (const char* words :
+         {"exact answer", "embree/fast/threads  agree", "walk of grid/buffer/twin32",
+          "grid/buffer/twin32   reproduces: yes, agree"}) {
+        EXPECT_NE(outcome.out.find(words), std::string::npos) << words << "\n" << outcome.out;
+    }
+    const auto json = nlohmann::json::parse(read_bytes(folder.path() / "e.json"));
+    EXPECT_EQ(json["tracers"].size(), 2u);
+
+    // The files alone: the same ray, and the same t.
+    const std::vector<Ray> rays = read_rays_npy(folder.path() / "out/ray/ray.npy");
+    ASSERT_EQ(rays.size(), 1u);
+    EXPECT_EQ(json["ray"]["dir"][0].get<float>(), rays[0].dir.x);
+    EXPECT_LT(
+        load_scene_file(folder.path() / "out/ray/scene.glb").scene.objects[0].triangles.size(),
+        200u);
+    const Outcome again =
+        onepass_in(folder, {"explain", "out/ray/scene.glb", "--ray", "out/ray/ray.npy", "-s",
+                            "embree/fast", "--json", "-"});
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+    const auto small = nlohmann::json::parse(again.out);
+    EXPECT_EQ(small["hits"][0]["t_digits"], json["hits"][0]["t_digits"]);
+    EXPECT_EQ(small["tracers"][0]["t"], json["tracers"][0]["t"]);
+    EXPECT_NE(read_bytes(folder.path() / "out/ray/README.md")
+                  .find("onepass explain scene.glb --ray ray.npy -s 'embree/fast' -s "
+                        "'grid/*/twin32'\n"),
+              std::string::npos);
+}
+
+TEST(Explain, takes_a_ray_by_its_numbers_and_by_the_index_that_check_prints) {
+    const TemporaryFolder folder;
+    const auto by_index = nlohmann::json::parse(
+        onepass_in(folder, with(kSmallExplain, {"--ray", "vertex#7", "--json", "-"})).out);
+    const auto by_numbers = nlohmann::json::parse(
+        onepass_in(folder, with(kSmallExplain, {"--ray", by_index["ray"]["text"].get<std::string>(),
+                                                "--json", "-"}))
+            .out);
+    EXPECT_EQ(by_index, by_numbers);
+    EXPECT_FALSE(by_index["hits"].empty());
+}
+
+TEST(Explain, refuses_rays_that_are_not_there) {
+    const TemporaryFolder folder;
+    expect_refused(folder, {"explain", "balls-1"}, "--pixel");
+    expect_refused(folder, {"explain", "balls-1", "--ray", "1,2,3,4,5,6", "--pixel", "1,1"},
+                   "one of");
+    expect_refused(folder, {"explain", "balls-1", "--ray", "1,2,3"}, "tmax");
+    expect_refused(folder, {"explain", "balls-1", "--ray", "vertex"}, "vertex#INDEX");
+    expect_refused(folder, {"explain", "balls-1", "--ray", "vertex#99999999"}, "262143");
+    expect_refused(folder, {"explain", "balls-1", "--ray", "no.npy#0"}, "no.npy");
+    expect_refused(folder, {"explain", "balls-1", "--ray", "straight#0"}, "straight");
+    expect_refused(folder, {"explain", "balls-1", "--pixel", "64,0", "--size", "64x64"}, "64 x 64");
+    expect_refused(folder, {"explain", "balls-1", "--pixel", "3"}, "X,Y");
+    expect_refused(folder, {"explain", "balls-1", "--pixel", "0,0", "--camera", "9"}, "--camera");
+    expect_refused(folder, {"explain", "balls-1", "--pixel", "0,0", "-s", "magic"}, "magic");
+    folder.write("file", "");
+    expect_refused(folder, {"explain", "balls-1", "--pixel", "0,0", "-o", "file"}, "-o file");
 }
 
 TEST(Render, refuses_a_scene_that_is_not_there) {

@@ -1,6 +1,7 @@
 // Explanations of one ray over a judge and tracers whose words are written down here.
 #include "compare/explain.h"
 
+#include <algorithm>
 #include <cstring>
 
 #include <gtest/gtest.h>
@@ -84,7 +85,8 @@ TEST(RayText, reads_back_bit_by_bit) {
         EXPECT_EQ(std::memcmp(&read, &ray, sizeof(ray)), 0) << ray_text(ray);
     }
     ray.tmax = kInfinity;
-    EXPECT_EQ(std::count(ray_text(ray).begin(), ray_text(ray).end(), ','), 5);
+    const std::string plain = ray_text(ray);
+    EXPECT_EQ(std::count(plain.begin(), plain.end(), ','), 5);
     EXPECT_EQ(parse_ray("0x1.8p1,0,0,inf,0,nan,0.5,1").org.x, 3.0f);
 }
 
@@ -149,9 +151,10 @@ TEST(Explain, a_shader_is_explained_by_its_twin_only_if_both_say_the_same) {
     EXPECT_SAYS(reasons_of(e.statements[0]), "never tested");
     EXPECT_SILENT(reasons_of(e.statements[1]), "never tested");
     EXPECT_SILENT(reasons_of(e.statements[2]), "never tested");
-    EXPECT_SAYS(reasons_of(e.statements[2]), "it lost the true triangle 0");
+    EXPECT_SAYS(reasons_of(e.statements[2]), "truly hit is triangle 0");
     EXPECT_FALSE(e.statements[0].walk.has_value());
     EXPECT_TRUE(e.statements[3].walk.has_value());
+    EXPECT_SAYS(explanation_text(e, test::quad_scene()), "    - as fake/grid/fragment\n");
 }
 
 TEST(Explain, the_text_tells_ray_truth_tracers_and_walk) {
@@ -171,6 +174,7 @@ TEST(Explain, the_text_tells_ray_truth_tracers_and_walk) {
                 "top level (0, 0, 0)\n      into instance 0\n"
                 "        (4, 5, 6): 7 1 [accepted at t 0.5, the answer]");
     EXPECT_SAYS(text, "ended with t 0.5 instance 0 triangle 1");
+    EXPECT_SILENT(text, "- as ");
 }
 
 TEST(Explain, runs_of_empty_cells_are_one_line_and_equal_walks_are_told_once) {
