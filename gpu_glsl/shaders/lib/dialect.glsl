@@ -31,9 +31,9 @@
 #define UBUFFER(name) uniform usamplerBuffer name;
 #define FETCHBUFFER(name, index) texelFetch(name, index)
 
-// What a walk did, for who wants to read it: the twin writes it down, a GPU does not. An inst_id of
-// kNoId stands for the top level; a cell counts from its grid's lower corner; NOTE_HIT says that the
-// triangle noted last was accepted.
+// What a walk did, for who wants to read it: the twin writes it down, a GPU does not. kNoId as
+// inst_id stands for the top level; a cell counts from its grid's lower corner; NOTE_HIT says that
+// the triangle noted last was accepted.
 #define NOTE_CELL(inst_id, cell)
 #define NOTE_TEST(inst_id, prim_id)
 #define NOTE_HIT(t)
