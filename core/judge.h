@@ -87,8 +87,8 @@ struct Meeting {
 struct RayTruth {
     bool traceable = true;      ///< false: not finite, or empty: a miss by definition
     std::vector<Meeting> hits;  ///< all of them in [tmin, tmax], nearest first, ties by ids
-    std::vector<Meeting>
-        passed;  ///< not hit, but near: an edge within E_ray, or asked about; by edge_moves
+    /// Not hit, but an edge is within E_ray, or it was asked about; by edge_moves.
+    std::vector<Meeting> passed;
     bool miss_is_right = true;
     double org_reach = 0.0;  ///< the bounds of E_ray: of each coordinate of the origin ...
     double dir_reach = 0.0;  ///< ... and of the direction

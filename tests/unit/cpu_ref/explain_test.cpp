@@ -57,6 +57,12 @@ TEST(ExplainedTruth, digits_are_those_of_the_real_t) {
     // 1 / 3e-3f, by another program.
     EXPECT_EQ(truth_of(scene, down(0.5f, 0.25f, 3e-3f)).hits.at(0).t_digits,
               "333.333330435885348604125976278");
+    // 1 - 2^-60 rounds to 1, but its digits are those of a number below.
+    Object square;
+    add_square(square, 1.0f, 0x1p-60f);
+    const RayTruth below = truth_of(one_object(square), down(0.5f, 0.25f));
+    EXPECT_EQ(below.hits.at(0).t, 1.0);
+    EXPECT_EQ(below.hits.at(0).t_digits, "0.999999999999999999132638262011");
 }
 
 TEST(ExplainedTruth, a_ray_through_a_shared_edge_is_a_tie_that_exact_numbers_decide) {
