@@ -270,7 +270,8 @@ std::vector<Fate> grid_fates(const LadderRecord& ladder) {
     return fates;
 }
 
-/// The ladders on which grid is among the first to fail, with the rung and those beside it.
+/// The ladders on which grid is among the first to fail, with the rung and the strategies beside
+/// it.
 std::vector<std::string> grid_firsts(const std::vector<LadderOfRun>& ladders, Rivals rivals) {
     std::vector<std::string> all;
     for (const LadderOfRun& ladder : ladders) {
@@ -280,7 +281,10 @@ std::vector<std::string> grid_firsts(const std::vector<LadderOfRun>& ladders, Ri
             if (family_of(climber.tracer) == "grid") {
                 where = breaks_text(fate_of(*ladder.record, climber));
             } else {
-                others.push_back("<code>" + escape(name_of(climber)) + "</code>");
+                const std::string other = code(family_of(climber.tracer));
+                if (std::find(others.begin(), others.end(), other) == others.end()) {
+                    others.push_back(other);
+                }
             }
         }
         if (where.empty()) continue;
@@ -327,7 +331,7 @@ std::string grid_first_sentence(const std::vector<LadderOfRun>& ladders) {
     return fmt::format(
         "<code>grid</code> fails on {} of the {} that it climbed. It is the first to fail, alone "
         "or "
-        "with others, on {}. Held against Embree alone, it is the first on {}.",
+        "with others, on {}.</p>\n<p>Held against Embree alone, it is the first on {}.",
         failed.size(), counted(climbed, "ladder"), list(grid_firsts(ladders, Rivals::all)),
         list(grid_firsts(ladders, Rivals::embree)));
 }
@@ -340,7 +344,7 @@ std::string ladder_section(const Dossier& dossier) {
         "<p class=\"lead\">A ladder turns one knob, rung by rung, from harmless to hard, and every "
         "tracer climbs it with the same rays. A cell names the first rung on which an answer was "
         "wrong, and how many of how many.</p>\n";
-    html += fmt::format("<p class=\"why\">{}</p>\n", grid_first_sentence(ladders));
+    html += fmt::format("<aside class=\"why\"><p>{}</p></aside>\n", grid_first_sentence(ladders));
     html += summary(ladders);
     html +=
         "<p class=\"note\"><em>Never</em>: no failure on any rung that it answered. "

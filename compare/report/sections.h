@@ -83,7 +83,7 @@ struct LadderOfRun {
 std::vector<LadderOfRun> ladders_of(const Dossier& dossier);
 
 /// On how many ladders `grid` fails, and on which it is among the first to: of all, and of itself
-/// and Embree. Escaped.
+/// and Embree. Escaped; one paragraph or two, without the outer tags.
 std::string grid_first_sentence(const std::vector<LadderOfRun>& ladders);
 
 /// One chart of speed against accuracy.
