@@ -45,17 +45,20 @@ struct StressExperiment {
 ///
 /// A ray fails once: kind "exhausted" if the tracer flags kFlagExhausted, else its error class.
 /// Ties and edges are counted apart and never fail. Rays that a tracer flags kFlagOracleInvalid are
-/// no trials; RungRecord::refusal says how many. A contestant that cannot be made for a rung
-/// refuses it; one that has none of the rung's parameters has no record there.
+/// no trials; RungRecord::refusal says how many. A contestant that throws Error for a rung refuses
+/// it, so make sure beforehand that its device is there; one that has none of the rung's parameters
+/// has no record there.
 /// Cost: the truth about a ray is computed once for all contestants, and equal answers are judged
 /// once; parallel over rays. The result does not depend on the number of threads.
-/// Throws: Error (device) if there is no usable device; Error for a rung without rays.
+/// Throws: Error for a rung without rays.
 LadderRecord climb(const Ladder& ladder, const StressSetup& setup, const Progress& progress = {});
 
 /// The experiment that climbs this ladder.
 StressExperiment ladder_experiment(const Ladder& ladder);
 
-/// The names of those who fail on the first rung on which anybody does; empty if nobody ever does.
-std::vector<std::string> first_to_fail(const LadderRecord& ladder);
+/// Those who outlast a tracer: on the rung where it first fails they take part, and have not failed
+/// yet. None if it never fails.
+std::vector<const RungRecord*> outlasting(const LadderRecord& ladder, const std::string& tracer,
+                                          const std::string& setting);
 
 }  // namespace onepass

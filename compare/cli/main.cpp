@@ -55,6 +55,7 @@ int run(int argc, char** argv) {
     add_check(app, session);
     add_bench(app, session);
     add_tune(app, session);
+    add_stress(app, session);
     add_reproduce(app, session);
     add_report(app, session);
     add_shader(app, session);

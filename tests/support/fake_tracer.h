@@ -19,6 +19,7 @@ class FakeTracer final : public Tracer {
     explicit FakeTracer(std::string name) : name_(std::move(name)) {}
 
     std::function<Hit(const Ray&)> answer = [](const Ray&) { return Hit{}; };
+    std::function<uint32_t(const Ray&)> flag = [](const Ray&) { return 0u; };  ///< RayFlag bits
     double cast_ms = 1.0;
     double frame_ms = 1.0;          ///< of each render, which adds the name to `log` as well
     std::vector<Stat> frame_costs;  ///< of each render
@@ -42,7 +43,7 @@ class FakeTracer final : public Tracer {
         CastResult result;
         for (const Ray& ray : *static_cast<const std::vector<Ray>*>(batch.resident.get())) {
             result.hits.push_back(answer(ray));
-            result.flags.push_back(0);
+            result.flags.push_back(flag(ray));
             if (options.counters) result.counters.push_back(cost);
         }
         result.wall_ms = cast_ms;
