@@ -102,9 +102,10 @@ Change one_thread();
 ///
 /// Trials are rays; half of them are aimed at corners of triangles. They end (tmax) before anything
 /// far.
-///   changed    another triangle, or a hit against a miss
-///   changed_t  the same triangle at another t
-///   exhausted  kFlagExhausted in one answer alone
+///   changed       the answers differ, and one of them is an error
+///   changed_edge  another triangle, or a hit against a miss, at an edge: neither is an error
+///   changed_t     the same triangle at another t, neither an error
+///   exhausted     kFlagExhausted in one answer alone
 /// Another triangle is a tie if both are right to the judge (agree or tie), or if t is the same and
 /// neither is an error.
 StressExperiment change_trial(TrialTitle title, std::function<Scene()> make_scene,

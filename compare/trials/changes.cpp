@@ -84,19 +84,19 @@ void compare(const BeforeAfter& casts, const Judge& judge, RungRecord& record) {
         }
         if (same_hit_bits(before, after)) continue;
 
-        const std::array<Hit, 2> both = {before, after};
-        const std::vector<Verdict> verdicts = judge.judge(casts.rays[i], Query::closest, both);
-        const auto is_right = [](const Verdict& v) {
+        const std::array<Hit, 2> answers = {before, after};
+        const std::vector<Verdict> verdicts = judge.judge(casts.rays[i], Query::closest, answers);
+        const auto both = [&](const auto& is) { return is(verdicts[0]) && is(verdicts[1]); };
+        const bool no_error = both([](const Verdict& v) { return !is_error(v.hit_class); });
+        const bool right = both([](const Verdict& v) {
             return v.hit_class == HitClass::agree || v.hit_class == HitClass::tie;
-        };
-        const bool both_right = is_right(verdicts[0]) && is_right(verdicts[1]);
-        const bool no_error = !is_error(verdicts[0].hit_class) && !is_error(verdicts[1].hit_class);
+        });
         const bool same_ids = before.prim_id == after.prim_id && before.inst_id == after.inst_id;
-        if (!same_ids && (both_right || (no_error && before.t == after.t))) {
+        if (!same_ids && (right || (no_error && before.t == after.t))) {
             ++record.ties;
             continue;
         }
-        add_failure(record, same_ids ? "changed_t" : "changed");
+        add_failure(record, !no_error ? "changed" : same_ids ? "changed_t" : "changed_edge");
         keep_first(record, i, casts.rays[i], after, verdicts[1]);
     }
 }

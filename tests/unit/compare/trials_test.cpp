@@ -197,6 +197,37 @@ TEST(ChangeTrial, a_tracer_whose_t_depends_on_the_scene_is_found_by_the_bit) {
     EXPECT_EQ(changed_by(scaled_by_power_of_two(-8), sensitive).failed(), 0u);
 }
 
+/// Another triangle of the corner that the hit is at, if it is at one.
+uint32_t neighbour_at_corner(const Object& object, const Hit& hit) {
+    constexpr float kAtCorner = 0.9999f;
+    const float weights[] = {1.0f - hit.u - hit.v, hit.u, hit.v};
+    for (int k = 0; k < 3; ++k) {
+        if (weights[k] < kAtCorner) continue;
+        const uint32_t corner = object.triangles[hit.prim_id][k];
+        for (uint32_t id = 0; id < object.triangles.size(); ++id) {
+            const uvec3& t = object.triangles[id];
+            if (id != hit.prim_id && (t.x == corner || t.y == corner || t.z == corner)) return id;
+        }
+    }
+    return hit.prim_id;
+}
+
+TEST(ChangeTrial, a_neighbour_at_a_corner_is_a_tie_at_the_same_t_and_changed_at_another) {
+    const auto turning = [](float towards) {
+        return Sabotage{.spoils = [towards](const Scene& scene, const Ray&, Hit& hit, uint32_t&) {
+            if (scene.instances.size() < 3 || !hit.is_hit()) return;
+            const uint32_t id = neighbour_at_corner(scene.objects[0], hit);
+            if (id != hit.prim_id) hit.t = std::nextafter(hit.t, towards < 0.0f ? 0.0f : hit.t);
+            hit.prim_id = id;
+        }};
+    };
+    const RungRecord same_t = changed_by(far_instance(10.0), turning(0.0f));
+    EXPECT_GT(same_t.ties, kRays / 8);
+    EXPECT_EQ(failures(same_t, "changed_edge"), 0u);
+    const RungRecord other_t = changed_by(far_instance(10.0), turning(-1.0f));
+    EXPECT_GT(failures(other_t, "changed_edge"), kRays / 8);
+}
+
 TEST(ChangeTrial, a_tracer_whose_answer_depends_on_the_order_is_found) {
     const Sabotage partial{.drops = [](const Hit& hit) { return hit.prim_id < 40; }};
     EXPECT_GT(failures(changed_by(permuted_triangles(), partial), "changed"), kRays / 20);
