@@ -42,10 +42,9 @@ Ladder mirror_ladder() {
             .title = "Mirrored instances",
             .question =
                 "A ball that its instance mirrors (the determinant is negative, and what "
-                "was counter-clockwise no longer is), enlarged along one axis and "
-                "flattened along another.",
-            .knob = "factor, and its inverse",
-            .unit = "",
+                "was counter-clockwise no longer is) and flattens.",
+            .knob = "height of the flattened ball",
+            .unit = "of its width",
             .rungs = rungs_of(powers_of_ten(0, -7), [](double knob) {
                 return placed_ball(scaling(vec3(-1, 1, single(knob))));
             })};

@@ -92,8 +92,8 @@ TEST(Help, lists_every_command) {
     const TemporaryFolder folder;
     const Outcome outcome = onepass_in(folder, {"--help"});
     EXPECT_EQ(outcome.exit_code, 0);
-    for (const char* command : {"doctor", "list", "render", "check", "bench", "tune", "reproduce",
-                                "report", "shader", "scenes"}) {
+    for (const char* command : {"doctor", "list", "render", "check", "bench", "tune", "stress",
+                                "reproduce", "report", "shader", "scenes"}) {
         EXPECT_NE(outcome.out.find(std::string("\n  ") + command), std::string::npos) << command;
     }
     EXPECT_NE(outcome.out.find("Exit codes"), std::string::npos);
@@ -476,6 +476,81 @@ TEST(Report, makes_a_page_from_results) {
     const Outcome outcome = onepass_in(folder, {"report", "run.json", "-o", "page.html"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_NE(read_bytes(folder.path() / "page.html").find("balls-1"), std::string::npos);
+}
+
+// ---- Stress ----
+
+TEST(Stress, prints_where_each_method_breaks_and_passes_whatever_fails) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        onepass_in(folder, {"stress", "vertices", "there-and-back", "-s", "embree/fast/threads",
+                            "-s", "grid/buffer/twin32", "--rays", "64", "--json", "a.json"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_NE(outcome.out.find("breaks at"), std::string::npos) << outcome.out;
+    const Results results = read_results(folder.path() / "a.json");
+    ASSERT_EQ(results.ladders.size(), 2u);
+    const LadderRecord& ladder = results.ladders[1];
+    EXPECT_EQ(ladder.id, "there-and-back");
+    EXPECT_EQ(ladder.rungs.size(), 14u);
+    EXPECT_NE(ladder.command.find("onepass stress there-and-back -s embree/fast/threads"),
+              std::string::npos)
+        << ladder.command;
+    EXPECT_NE(breaks_at(ladder, "embree/fast/threads", ""), nullptr);
+    EXPECT_EQ(breaks_at(ladder, "grid/buffer/twin32", ""), nullptr);
+    EXPECT_NE(outcome.out.find("embree/fast/threads at"), std::string::npos) << "its worst ray";
+}
+
+TEST(Stress, keeps_finished_ladders_and_writes_the_page_beside_the_data) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> stress = {
+        "stress", "grazing", "mirror", "-s", "embree/robust/threads", "--rays", "32", "-o", "out"};
+    const Outcome first = onepass_in(folder, stress);
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    const auto out = folder.path() / "out";
+    EXPECT_EQ(read_results(out / "partial.json").ladders.size(), 2u);
+    EXPECT_TRUE(std::filesystem::exists(out / "partial.html"));
+
+    std::filesystem::remove(out / "parts/mirror.json");
+    const Outcome second = onepass_in(folder, stress);
+    EXPECT_NE(second.err.find("grazing: kept"), std::string::npos) << second.err;
+    EXPECT_EQ(second.err.find("mirror: kept"), std::string::npos) << second.err;
+    EXPECT_EQ(second.out, first.out) << "the same seed, the same answers";
+
+    const Outcome other = onepass_in(folder, with(stress, {"--seed", "9"}));
+    EXPECT_NE(other.err.find("made again: it was made with other options"), std::string::npos);
+}
+
+TEST(Stress, refuses_what_it_does_not_know_and_lists_what_it_does) {
+    const TemporaryFolder folder;
+    expect_refused(folder, {"stress", "stairs"}, "stairs");
+    expect_refused(folder, {"stress", "grazing", "-s", "warp-drive"}, "warp-drive");
+    expect_refused(folder, {"stress", "grazing", "--rays", "0"}, "--rays");
+    expect_refused(folder, {"stress", "grazing", "--json", "no/such/folder/a.json"}, "folder");
+    const Outcome list = onepass_in(folder, {"stress", "--list"});
+    EXPECT_EQ(list.exit_code, 0);
+    for (const char* id : {"translation", "needles", "lattice", "singular", "resolution"}) {
+        EXPECT_NE(list.out.find(id), std::string::npos) << id;
+    }
+}
+
+TEST(Stress, stopped_says_so_and_goes_on_from_there) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> stress = {
+        "stress", "mirror", "shear", "needles", "-s", "embree/fast/threads",
+        "--rays", "160",    "-o",    "out"};
+    const pid_t child = start(folder, stress);
+    const auto part = folder.path() / "out/parts/mirror.json";
+    for (int tick = 0; tick < 6000 && !std::filesystem::exists(part); ++tick) usleep(10000);
+    kill(child, SIGINT);
+    const Outcome stopped = finish(folder, child);
+    EXPECT_EQ(stopped.exit_code, 130) << stopped.err;
+    EXPECT_NE(stopped.err.find("of 3 ladders are kept"), std::string::npos) << stopped.err;
+    EXPECT_FALSE(std::filesystem::exists(folder.path() / "out/partial.json"));
+
+    const Outcome resumed = onepass_in(folder, stress);
+    EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+    EXPECT_NE(resumed.err.find("mirror: kept"), std::string::npos) << resumed.err;
+    EXPECT_EQ(read_results(folder.path() / "out/partial.json").ladders.size(), 3u);
 }
 
 TEST(Reproduce, makes_data_and_page_keeps_its_parts_and_takes_up_where_it_was) {

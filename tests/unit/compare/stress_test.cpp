@@ -64,14 +64,15 @@ struct Stage {
     }
 
     /// A contestant whose tracer `prepare` has the last word on.
-    void add(const std::string& name, const std::function<void(FakeTracer&)>& prepare,
-             std::vector<ParamInfo> params = {}) {
-        catalogue.add(
-            {{.name = name, .params = std::move(params)}, [=](ScenePtr, const ParamValues&) {
-                 auto tracer = std::make_unique<FakeTracer>(name);
-                 prepare(*tracer);
-                 return tracer;
-             }});
+    void add(const std::string& name, const std::function<void(FakeTracer&)>& prepare) {
+        CatalogueEntry entry;
+        entry.info.name = name;
+        entry.make = [=](ScenePtr, const ParamValues&) {
+            auto tracer = std::make_unique<FakeTracer>(name);
+            prepare(*tracer);
+            return tracer;
+        };
+        catalogue.add(std::move(entry));
         names.push_back(name);
     }
 
@@ -214,13 +215,18 @@ TEST(Stress, a_rungs_parameter_goes_to_those_who_have_it_and_the_others_sit_it_o
     Stage stage;
     stage.add("without", [](FakeTracer&) {});
     std::vector<ParamValues> given;
-    stage.catalogue.add({{.name = "with", .params = {{.name = "size"}, {.name = "colour"}}},
-                         [&](ScenePtr, const ParamValues& values) {
-                             given.push_back(values);
-                             auto tracer = std::make_unique<FakeTracer>("with");
-                             tracer->answer = [](const Ray&) { return answer_of(HitClass::agree); };
-                             return tracer;
-                         }});
+    CatalogueEntry with;
+    with.info.name = "with";
+    with.info.params.resize(2);
+    with.info.params[0].name = "size";
+    with.info.params[1].name = "colour";
+    with.make = [&](ScenePtr, const ParamValues& values) {
+        given.push_back(values);
+        auto tracer = std::make_unique<FakeTracer>("with");
+        tracer->answer = [](const Ray&) { return answer_of(HitClass::agree); };
+        return tracer;
+    };
+    stage.catalogue.add(std::move(with));
     Rung plain = rung_at(1.0);
     Rung sized = rung_at(2.0);
     sized.params = {{"size", "4"}, {"taste", "sweet"}};

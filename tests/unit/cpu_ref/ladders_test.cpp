@@ -32,13 +32,14 @@ bool same_bits(const std::vector<Ray>& a, const std::vector<Ray>& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Ray)) == 0;
 }
 
-/// The share of rays that hit, by the exact judge: what it says of a miss.
+/// The share of rays that hit, by the exact judge. It is asked about an answer that names no
+/// triangle, because it looks long for what might excuse a miss.
 double hit_share(const Scene& scene, const std::vector<Ray>& rays) {
     const auto judge = make_exact_judge(std::make_shared<const Scene>(scene));
-    const Hit miss;
+    const Hit nonsense{.t = 1.0f, .prim_id = 0, .inst_id = kNoId - 1};
     size_t hits = 0;
     for (const Ray& ray : rays) {
-        const Verdict verdict = judge->judge(ray, Query::any, std::span(&miss, 1)).front();
+        const Verdict verdict = judge->judge(ray, Query::closest, std::span(&nonsense, 1)).front();
         hits += verdict.true_inst_id != kNoId;
     }
     return static_cast<double>(hits) / static_cast<double>(rays.size());
@@ -88,9 +89,9 @@ TEST(Ladders, have_rays_that_are_finite_and_depend_on_the_seed_alone) {
 }
 
 TEST(Ladders, have_rays_that_mostly_hit) {
-    // Rays are aimed at surfaces, but those that lie in a plane of flat faces (direction, lattice)
-    // and those that are rounded past what they are aimed at (the last rungs) may miss.
-    constexpr double kLeastShare = 0.5;
+    // Every ray is aimed at a surface. On the last rungs a few are rounded past it (the least share
+    // seen is 0.86), and no more than that.
+    constexpr double kLeastShare = 0.8;
     constexpr uint64_t kMostTriangles = 20'000;  // so that the judge is soon ready
     for (const Ladder& ladder : ladders()) {
         for (const Rung& rung : ladder.rungs) {
