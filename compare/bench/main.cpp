@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
 
+#include "compare/bench/awkward_benchmarks.h"
 #include "compare/bench/build_benchmarks.h"
 #include "compare/bench/moving_benchmarks.h"
 #include "compare/bench/versus_embree.h"
@@ -25,6 +26,11 @@ void describe_comparison() {
                     "ratio_to_embree_commit = ours / Embree's, of medians, with a 95 % bootstrap "
                     "interval; below 1 ours is faster",
                     threads, onepass::kRounds));
+    benchmark::AddCustomContext(
+        "awkward_rays",
+        fmt::format("wall time of a batch of rays that are none against the same rays before they "
+                    "were spoiled, by turns, {} rounds; times_a_normal_ray is to be {:g} or less",
+                    onepass::kRounds, onepass::kMostTimesANormalRay));
     benchmark::AddCustomContext("embree", onepass::embree_description());
 }
 
@@ -37,6 +43,7 @@ int main(int argc, char** argv) {
         describe_comparison();
         onepass::register_build_benchmarks();
         onepass::register_moving_benchmarks();
+        onepass::register_awkward_benchmarks();
         benchmark::RunSpecifiedBenchmarks();
     } catch (const onepass::Error& error) {
         std::fprintf(stderr, "onepass_bench: %s\n", error.what());

@@ -15,6 +15,7 @@
 #include "compare/cli/commands.h"
 #include "compare/cli/options.h"
 #include "compare/cli/progress_bar.h"
+#include "compare/cli/stress_trials.h"
 #include "compare/cli/table.h"
 #include "compare/parts.h"
 #include "compare/report/report.h"
@@ -31,6 +32,7 @@ namespace fs = std::filesystem;
 std::vector<StressExperiment> all_experiments() {
     std::vector<StressExperiment> all;
     for (const Ladder& ladder : ladders()) all.push_back(ladder_experiment(ladder));
+    for (StressExperiment& trial : stress_trials()) all.push_back(std::move(trial));
     return all;
 }
 
