@@ -131,7 +131,10 @@ std::vector<FrameTimingRecord> time_frames(std::span<Tracer* const> tracers, siz
 void summarise(FrameTimingRecord& record, uint64_t seed) {
     record.median_ms = median(record.wall_ms);
     record.frames_per_s = 1e3 / record.median_ms;
-    const RatioInterval interval = ratio_of_medians(record.oracle_wall_ms, record.wall_ms, seed);
+    const RatioInterval interval =
+        record.oracle_wall_ms.empty()
+            ? RatioInterval{std::nan(""), std::nan(""), std::nan("")}
+            : ratio_of_medians(record.oracle_wall_ms, record.wall_ms, seed);
     record.ratio = interval.ratio;
     record.ratio_low = interval.low;
     record.ratio_high = interval.high;

@@ -34,7 +34,8 @@ std::vector<FrameTimingRecord> time_frames(std::span<Tracer* const> tracers, siz
                                            const TimingOptions& options,
                                            const Progress& progress = {});
 
-/// Fills a record's figures (median, rate, ratio) from its samples and the oracle's.
+/// Fills a record's figures (median, rate, ratio) from its samples and the oracle's; without any of
+/// the oracle's the ratio is NaN.
 void summarise(FrameTimingRecord& record, uint64_t seed);
 
 }  // namespace onepass

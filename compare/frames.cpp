@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "compare/statistics.h"
+#include "compare/frame_timing.h"
 #include "core/error.h"
 
 namespace onepass {
@@ -97,15 +97,7 @@ FrameTimingRecord timing_record(const TimedFrames& frames, const TimedFrames& or
     record.oracle_wall_ms = oracle.wall_ms;
     record.costs = frames.costs;
 
-    record.median_ms = median(record.wall_ms);
-    record.frames_per_s = 1e3 / record.median_ms;
-    const bool compared = !oracle.wall_ms.empty();
-    const RatioInterval interval =
-        compared ? ratio_of_medians(record.oracle_wall_ms, record.wall_ms, seed)
-                 : RatioInterval{std::nan(""), std::nan(""), std::nan("")};
-    record.ratio = interval.ratio;
-    record.ratio_low = interval.low;
-    record.ratio_high = interval.high;
+    summarise(record, seed);
     return record;
 }
 

@@ -39,24 +39,40 @@ Verdict unjudged_agreement(const Hit& answer, const Hit& oracle) {
     return verdict;
 }
 
+/// One ray's verdicts: of each tracer's answer, and last of the oracle's.
 struct Judgement {
     size_t ray = 0;
-    Verdict answer;
-    Verdict oracle;
+    std::vector<Verdict> verdicts;
 };
 
 /// The rays that the judge has to see, in order.
-std::vector<Judgement> rays_to_judge(const CastResult& answers, const CastResult& oracle,
+std::vector<Judgement> rays_to_judge(std::span<const CastResult> answers, const CastResult& oracle,
                                      const HitCheckOptions& options) {
     Random random(options.seed);
     std::vector<Judgement> judgements;
-    for (size_t i = 0; i < answers.hits.size(); ++i) {
-        const bool sampled = random.unit() < options.agreement_sample;
+    for (size_t i = 0; i < oracle.hits.size(); ++i) {
+        bool wanted = random.unit() < options.agreement_sample;
         if (oracle.flags[i] & kFlagOracleInvalid) continue;
-        if (sampled || !agree_without_judge(answers.hits[i], oracle.hits[i])) {
-            judgements.push_back({i, {}, {}});
+        for (const CastResult& cast : answers) {
+            wanted |= !agree_without_judge(cast.hits[i], oracle.hits[i]);
         }
+        if (wanted) judgements.push_back({i, {}});
     }
+    return judgements;
+}
+
+std::vector<Judgement> judged(std::span<const Ray> rays, Query query,
+                              std::span<const CastResult> answers, const CastResult& oracle,
+                              const Judge& judge, const HitCheckOptions& options) {
+    std::vector<Judgement> judgements = rays_to_judge(answers, oracle, options);
+    tbb::parallel_for(size_t{0}, judgements.size(), [&](size_t j) {
+        const size_t i = judgements[j].ray;
+        std::vector<Hit> hits;
+        for (const CastResult& cast : answers) hits.push_back(cast.hits[i]);
+        hits.push_back(oracle.hits[i]);
+        judgements[j].verdicts = judge.judge(rays[i], query, hits);
+        ONEPASS_CHECK_EQ(judgements[j].verdicts.size(), hits.size());
+    });
     return judgements;
 }
 
@@ -88,40 +104,15 @@ bool within_bounds(const CheckRecord& record) {
     return true;
 }
 
-}  // namespace
-
-bool is_worse(const Verdict& a, const Verdict& b) { return badness(a) > badness(b); }
-
-uint64_t edge_budget(uint64_t ray_count) {
-    return static_cast<uint64_t>(std::ceil(kEdgeShare * static_cast<double>(ray_count)));
-}
-
-HitComparison compare_hits(std::span<const Ray> rays, Query query, const CastResult& answers,
-                           const CastResult& oracle, const Judge& judge,
-                           const HitCheckOptions& options) {
-    ONEPASS_CHECK_EQ(answers.hits.size(), rays.size());
-    ONEPASS_CHECK_EQ(answers.flags.size(), rays.size());
-    ONEPASS_CHECK_EQ(oracle.hits.size(), rays.size());
-    ONEPASS_CHECK_EQ(oracle.flags.size(), rays.size());
-
-    // Judge, in parallel.
-    std::vector<Judgement> judgements = rays_to_judge(answers, oracle, options);
-    tbb::parallel_for(size_t{0}, judgements.size(), [&](size_t j) {
-        Judgement& judgement = judgements[j];
-        const size_t i = judgement.ray;
-        const std::array<Hit, 2> both = {answers.hits[i], oracle.hits[i]};
-        const std::vector<Verdict> verdicts = judge.judge(rays[i], query, both);
-        ONEPASS_CHECK_EQ(verdicts.size(), both.size());
-        judgement.answer = verdicts[0];
-        judgement.oracle = verdicts[1];
-    });
-
-    // Tally, in the order of the rays.
+/// Tallies one tracer, in the order of the rays.
+HitComparison tallied(std::span<const Ray> rays, std::span<const CastResult> all, size_t tracer,
+                      const CastResult& oracle, std::span<const Judgement> judgements,
+                      const HitCheckOptions& options) {
+    const CastResult& answers = all[tracer];
     HitComparison comparison;
     comparison.classes.resize(rays.size());
     CheckRecord& record = comparison.record;
     record.ray_count = rays.size();
-    record.judge = judge.name();
     record.judged = judgements.size();
     auto next_judged = judgements.begin();
     for (size_t i = 0; i < rays.size(); ++i) {
@@ -139,8 +130,8 @@ HitComparison compare_hits(std::span<const Ray> rays, Query query, const CastRes
 
         Verdict verdict = unjudged_agreement(answer, truth);
         if (next_judged != judgements.end() && next_judged->ray == i) {
-            verdict = next_judged->answer;
-            ++record.oracle_classes[static_cast<size_t>(next_judged->oracle.hit_class)];
+            verdict = next_judged->verdicts[tracer];
+            ++record.oracle_classes[static_cast<size_t>(next_judged->verdicts.back().hit_class)];
             ++next_judged;
         }
         comparison.classes[i] = verdict.hit_class;
@@ -148,11 +139,43 @@ HitComparison compare_hits(std::span<const Ray> rays, Query query, const CastRes
         tally(record, row);
         if (is_error(verdict.hit_class)) comparison.wrong.push_back(row);
     }
-
-    // Decide.
     record.allowed = bounds_of(rays.size(), options.allowed);
     record.passed = within_bounds(record);
     return comparison;
+}
+
+}  // namespace
+
+bool is_worse(const Verdict& a, const Verdict& b) { return badness(a) > badness(b); }
+
+uint64_t edge_budget(uint64_t ray_count) {
+    return static_cast<uint64_t>(std::ceil(kEdgeShare * static_cast<double>(ray_count)));
+}
+
+std::vector<HitComparison> compare_hits(std::span<const Ray> rays, Query query,
+                                        std::span<const CastResult> answers,
+                                        const CastResult& oracle, const Judge& judge,
+                                        const HitCheckOptions& options) {
+    ONEPASS_CHECK_EQ(oracle.hits.size(), rays.size());
+    ONEPASS_CHECK_EQ(oracle.flags.size(), rays.size());
+    for (const CastResult& cast : answers) {
+        ONEPASS_CHECK_EQ(cast.hits.size(), rays.size());
+        ONEPASS_CHECK_EQ(cast.flags.size(), rays.size());
+    }
+    const std::vector<Judgement> judgements = judged(rays, query, answers, oracle, judge, options);
+    std::vector<HitComparison> comparisons;
+    for (size_t tracer = 0; tracer < answers.size(); ++tracer) {
+        comparisons.push_back(tallied(rays, answers, tracer, oracle, judgements, options));
+        comparisons.back().record.judge = judge.name();
+    }
+    return comparisons;
+}
+
+HitComparison compare_hits(std::span<const Ray> rays, Query query, const CastResult& answers,
+                           const CastResult& oracle, const Judge& judge,
+                           const HitCheckOptions& options) {
+    const std::span<const CastResult> one(&answers, 1);
+    return std::move(compare_hits(rays, query, one, oracle, judge, options).front());
 }
 
 std::pair<HitClass, uint64_t> parse_allowance(const std::string& text) {

@@ -49,14 +49,21 @@ struct HitComparison {
 /// t", comes last.
 bool is_worse(const Verdict& a, const Verdict& b);
 
-/// Sorts every ray into one class.
+/// Sorts every ray of every tracer into one class; one comparison for each of `answers`.
 ///
 /// A ray that the oracle flags kFlagOracleInvalid is counted and falls into no class. Tracer and
 /// oracle agree without a judge if both miss, or if both name the same triangle and their t differ
-/// by at most kTUlps ulps of the oracle's. All others, and a sample of the agreements, go to the
-/// judge, which classes both answers. So two that are off alike count as `agree`, apart from the
-/// sample; the oracle's own classes show how often that may be.
-/// Cost: parallel; a judgement a ray that is judged. The result does not depend on thread count.
+/// by at most kTUlps ulps of the oracle's. Rays on which any tracer disagrees, and a sample of the
+/// others, go to the judge, which finds the truth once and classes all answers to the ray by it. So
+/// two that are off alike count as `agree`, apart from the sample; the oracle's own classes show
+/// how often that may be. The oracle's answers may be among `answers`: that is its own row. Cost:
+/// parallel; a judgement a ray that is judged. The result does not depend on thread count.
+std::vector<HitComparison> compare_hits(std::span<const Ray> rays, Query query,
+                                        std::span<const CastResult> answers,
+                                        const CastResult& oracle, const Judge& judge,
+                                        const HitCheckOptions& options = {});
+
+/// The same for one tracer.
 HitComparison compare_hits(std::span<const Ray> rays, Query query, const CastResult& answers,
                            const CastResult& oracle, const Judge& judge,
                            const HitCheckOptions& options = {});

@@ -63,6 +63,8 @@ void append_results(Results& results, const Results& part) {
     append(results.frame_timings, part.frame_timings);
     append(results.claims, part.claims);
     append(results.sweeps, part.sweeps);
+    append(results.ladders, part.ladders);
+    append(results.tradeoffs, part.tradeoffs);
 }
 
 }  // namespace onepass

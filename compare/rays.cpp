@@ -128,6 +128,7 @@ std::array<vec3, 3> world_corners(const Scene& scene, uint32_t inst_id, uint32_t
 RaySet aimed_rays(const Scene& scene, const RayRequest& request, bool at_corners) {
     const Bounds box = scene_bounds(scene);
     RaySet set;
+    set.at_edges = true;
     Random random(request.seed);
     const size_t count = size_t{request.width} * request.height;
     set.rays.resize(count);

@@ -18,6 +18,7 @@ struct RaySet {
     std::string hash;  ///< 16 hexadecimal digits
     Query query = Query::closest;
     std::vector<Ray> rays;
+    bool at_edges = false;  ///< every ray is aimed at an edge or a corner: `edge` has no budget
     /// Where a ray kind belongs to an image: its size, and the pixel (x + width * y) of each ray.
     uint32_t width = 0;
     uint32_t height = 0;

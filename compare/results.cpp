@@ -104,7 +104,8 @@ void fields(A& a, CheckRecord& c) {
     a("judge", c.judge), a("classes", c.classes), a("oracle_classes", c.oracle_classes);
     a("judged", c.judged), a("wrong_triangle", c.wrong_triangle), a("hit_count", c.hit_count);
     a("oracle_invalid", c.oracle_invalid), a("exhausted", c.exhausted), a("allowed", c.allowed);
-    a("passed", c.passed), a("picture", c.picture), a("attribution", c.attribution);
+    a("passed", c.passed), a("reference", c.reference), a("picture", c.picture);
+    a("attribution", c.attribution);
 }
 
 template <class A>
@@ -466,17 +467,26 @@ std::string to_json(const Results& results) {
     return document.dump(1) + "\n";
 }
 
+namespace {
+
+/// Version 2 knew no ladders and no reference rows; all else is the same.
+void upgrade(json& document) {
+    document["schema_version"] = unsigned{Results::kSchemaVersion};
+    document["ladders"] = document["tradeoffs"] = json::array();
+    for (json& check : document["checks"]) {
+        if (check.is_object()) check["reference"] = false;
+    }
+}
+
+}  // namespace
+
 Results results_from_json(const std::string& text, const std::string& file_name) {
     json document = json::parse(text, nullptr, false);
     if (document.is_discarded()) {
         throw Error({file_name, "text that is no JSON", "a result file of onepass",
                      "Name a file written with --json."});
     }
-    // Version 2 knew no ladders; all else is the same.
-    if (document.is_object() && document.value("schema_version", json()) == 2) {
-        document["schema_version"] = unsigned{Results::kSchemaVersion};
-        document["ladders"] = document["tradeoffs"] = json::array();
-    }
+    if (document.is_object() && document.value("schema_version", json()) == 2) upgrade(document);
     Reader reader(document, file_name, "");
     int version = 0;
     reader("schema_version", version);

@@ -96,7 +96,8 @@ struct CheckRecord {
     uint64_t exhausted = 0;       ///< rays that ran out of a loop budget
     std::array<uint64_t, kHitClassCount> allowed{};  ///< bounds used; edge's is its budget
     bool passed = false;
-    std::string picture;  ///< PNG of the per-ray classes; as ImageRecord::pictures; or empty
+    bool reference = false;  ///< Embree beside the tracers that are checked: fails no check
+    std::string picture;     ///< PNG of the per-ray classes; as ImageRecord::pictures; or empty
 
     /// The wrong rays, counted by the deviation that each disappears without; see attribution.h.
     struct Attribution {

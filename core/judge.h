@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -53,6 +54,46 @@ struct Verdict {
                                   ///< bounds of E_ray; 0 agree or tie, in (0, 1] edge, else +inf
 };
 
+/// How a ray truly stands to one triangle, and how near that is to being otherwise.
+struct Meeting {
+    uint32_t inst_id = kNoId;
+    uint32_t prim_id = kNoId;
+
+    bool crosses = false;  ///< the line does, be it outside [tmin, tmax]
+
+    // Where the line meets the triangle's plane; NaN and "" if it does not.
+    double t = std::numeric_limits<double>::quiet_NaN();  ///< the real t, rounded
+    std::string t_digits;                                 ///< the real t, cut after 30 digits
+    double u = std::numeric_limits<double>::quiet_NaN();  ///< rounded; outside [0, 1] beside it
+    double v = std::numeric_limits<double>::quiet_NaN();
+    double incidence = 0.0;  ///< |d.n| / (|d| |n|): 1 head-on, 0 along the plane
+
+    // The edge that the line passes nearest, by what E_ray allows there.
+    uint32_t edge = 0;           ///< from corner `edge` to the next one
+    double edge_distance = 0.0;  ///< largest component of the least shift onto it, in scene units
+    double edge_moves = 0.0;     ///< the same in units of the bounds of E_ray: up to 1, rays that
+                                 ///< count as equal may pass on the other side
+    bool on_edge = false;        ///< exactly through an edge or a corner
+
+    double gap_ulps = std::numeric_limits<double>::infinity();  ///< of a hit: from t to the next
+                                                                ///< hit's, in float ulps; 0: a tie
+    bool at_interval_end = false;                               ///< t is exactly tmin or tmax
+    bool is_right = false;                                      ///< naming it is a right answer
+    bool close_side = false;   ///< exact numbers had to decide whether the line crosses it
+    bool close_order = false;  ///< exact numbers had to decide its t's place
+};
+
+/// All that is true of one ray, for a reader.
+struct RayTruth {
+    bool traceable = true;      ///< false: not finite, or empty: a miss by definition
+    std::vector<Meeting> hits;  ///< all of them in [tmin, tmax], nearest first, ties by ids
+    std::vector<Meeting>
+        passed;  ///< not hit, but near: an edge within E_ray, or asked about; by edge_moves
+    bool miss_is_right = true;
+    double org_reach = 0.0;  ///< the bounds of E_ray: of each coordinate of the origin ...
+    double dir_reach = 0.0;  ///< ... and of the direction
+};
+
 /// Decides, by arithmetic better than the tracers', what a ray truly hits.
 class Judge {
   public:
@@ -64,6 +105,10 @@ class Judge {
     /// One verdict an answer. The truth about the ray is computed once for all of them.
     virtual std::vector<Verdict> judge(const Ray& ray, Query query,
                                        std::span<const Hit> answers) const = 0;
+
+    /// The truth about a ray that asks for its closest hit. `answers`: triangles to be told of even
+    /// if the ray passes them by; ids that name nothing are left out.
+    virtual RayTruth explain(const Ray& ray, std::span<const Hit> answers) const = 0;
 };
 
 }  // namespace onepass

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -66,9 +67,37 @@ struct Frame {
     std::vector<Stat> costs;            ///< as in CastResult
 };
 
+/// A ray-triangle test of a walk.
+struct WalkTest {
+    uint32_t prim_id = kNoId;
+    bool accepted = false;  ///< became the best hit so far
+    double t = 0.0;         ///< of an accepted one
+
+    bool operator==(const WalkTest&) const = default;
+};
+
+/// A cell that a ray visited, with the triangles tested there, in order.
+struct WalkStep {
+    uint32_t inst_id = kNoId;  ///< whose object's grid; kNoId: the top-level grid
+    ivec3 cell{0};             ///< from the grid's lower corner on
+    std::vector<WalkTest> tests;
+
+    bool operator==(const WalkStep&) const = default;
+};
+
+/// What one ray did in a tracer's grids: the visited cells in order, the objects' between those of
+/// the top level.
+struct RayWalk {
+    std::vector<WalkStep> steps;
+    Hit hit;                 ///< as cast() answers
+    uint32_t flags = 0;      ///< RayFlag bits
+    RayCounters counters{};  ///< as cast() counts
+};
+
 struct Capabilities {
     bool render = true;              ///< false: cast only; render through core/shading.h instead
     bool counters = false;           ///< fills CastResult::counters and Frame::counters
+    bool walks = false;              ///< walk() tells
     bool device_timer = false;       ///< device_ms can be trusted
     bool software_renderer = false;  ///< a GL tracer that runs on the CPU (Mesa's llvmpipe)
     uint32_t threads = 0;            ///< CPU threads used; 0 where that has no meaning
@@ -91,6 +120,13 @@ class Tracer {
 
     /// Answers every ray of the batch. Never throws for a ray's values: a NaN ray is a miss.
     virtual CastResult cast(const RayBatch& batch, const CastOptions& options = {}) = 0;
+
+    /// Follows one ray and tells what it did. Nothing where capabilities().walks is false.
+    virtual std::optional<RayWalk> walk(const Ray& /*ray*/) { return {}; }
+
+    /// The cells of its instance's object grid whose lists hold a triangle. Empty where
+    /// capabilities().walks is false. Cost: may build the object's grid anew.
+    virtual std::vector<ivec3> cells_of(uint32_t /*inst_id*/, uint32_t /*prim_id*/) { return {}; }
 
     /// Moves the instances: from now on the scene is the one with these transforms. Only the
     /// top level is rebuilt; what was built for the objects stays (stats() counts both).

@@ -58,6 +58,24 @@ class Moves {
         return false;
     }
 
+    /// The edge whose nearest point takes the least of what the ray may be moved.
+    struct NearestEdge {
+        uint32_t edge = 0;
+        double distance = kNone;  ///< largest component of the shift
+        double moves = kNone;     ///< in units of the reach there
+        double t = 0.0;
+    };
+    NearestEdge nearest_edge_of(const WorldTriangle& triangle) const {
+        NearestEdge nearest;
+        const std::array<Passing, 3> passings = nearest_on_edges(corners_of(triangle));
+        for (uint32_t i = 0; i < 3; ++i) {
+            const double distance = largest_component(passings[i].offset);
+            const double moves = distance / ray_.reach(passings[i].t);
+            if (moves < nearest.moves) nearest = {i, distance, moves, passings[i].t};
+        }
+        return nearest;
+    }
+
     /// The ray's crossing goes to each corner, to the nearest point of each edge, and from there
     /// towards the middle and to both sides of the edge.
     void towards(const WorldTriangle& triangle) {
@@ -378,6 +396,108 @@ class RayJudge {
     std::vector<Move> shared_moves_;
 };
 
+/// Tells the whole truth about one ray.
+class RayReader {
+  public:
+    RayReader(const ExactTruth& exact, const DoubleTruth& doubles, const Ray& ray)
+        : exact_(exact),
+          doubles_(doubles),
+          ray_(e_ray(ray, doubles.candidates().magnitude())),
+          moves_(ray_),
+          truth_(exact.find(ray_)) {}
+
+    RayTruth read(std::span<const Hit> answers) const {
+        RayTruth told;
+        told.miss_is_right = truth_.miss_is_right;
+        told.org_reach = ray_.org_reach;
+        told.dir_reach = ray_.dir_reach;
+        told.hits = hits();
+        told.passed = passed(told.hits, answers);
+        return told;
+    }
+
+  private:
+    Meeting meeting(uint32_t inst_id, uint32_t prim_id) const {
+        Meeting m;
+        m.inst_id = inst_id;
+        m.prim_id = prim_id;
+        const ExactDetail detail = exact_.detail(ray_, inst_id, prim_id);
+        if (detail.has_t) {
+            m.t = detail.t;
+            m.t_digits = detail.t_digits;
+            m.u = detail.u;
+            m.v = detail.v;
+        }
+        m.crosses = detail.crosses;
+        m.on_edge = detail.on_edge;
+        m.close_side = detail.close;
+        m.is_right = truth_.find(inst_id, prim_id) != nullptr;
+
+        const WorldTriangle triangle = doubles_.triangle(inst_id, prim_id);
+        const dvec3 normal = glm::cross(triangle[1] - triangle[0], triangle[2] - triangle[0]);
+        const double lengths = glm::length(normal) * glm::length(ray_.dir);
+        if (lengths > 0.0) m.incidence = std::abs(glm::dot(normal, ray_.dir)) / lengths;
+
+        const Moves::NearestEdge nearest = moves_.nearest_edge_of(triangle);
+        m.edge = nearest.edge;
+        m.edge_distance = detail.on_edge ? 0.0 : nearest.distance;
+        m.edge_moves = detail.on_edge ? 0.0 : nearest.moves;
+        return m;
+    }
+
+    std::vector<Meeting> hits() const {
+        const std::vector<ExactHit> found = exact_.find_all(ray_);
+        const auto holds = [](const Interval& t, double x) { return t.lower <= x && x <= t.upper; };
+        std::vector<Meeting> hits;
+        for (size_t i = 0; i < found.size(); ++i) {
+            const ExactHit& hit = found[i];
+            Meeting m = meeting(hit.inst_id, hit.prim_id);
+            m.at_interval_end = hit.at_interval_end;
+            m.close_order = holds(hit.t, ray_.tmin) || holds(hit.t, ray_.tmax);
+            if (i > 0) m.close_order |= found[i - 1].t.upper >= hit.t.lower;
+            if (i + 1 < found.size()) {
+                m.close_order |= hit.t.upper >= found[i + 1].t.lower;
+                m.gap_ulps = exact_.distance(ray_, hit, found[i + 1]) / float_ulp(m.t);
+            }
+            hits.push_back(std::move(m));
+        }
+        return hits;
+    }
+
+    /// What E_ray may reach, and what was asked about.
+    std::vector<Meeting> passed(const std::vector<Meeting>& hits,
+                                std::span<const Hit> answers) const {
+        std::vector<Meeting> passed;
+        const auto add = [&](uint32_t inst_id, uint32_t prim_id) {
+            const auto is_it = [&](const Meeting& m) {
+                return m.inst_id == inst_id && m.prim_id == prim_id;
+            };
+            if (std::any_of(hits.begin(), hits.end(), is_it)) return;
+            if (std::any_of(passed.begin(), passed.end(), is_it)) return;
+            passed.push_back(meeting(inst_id, prim_id));
+        };
+        doubles_.candidates().visit(ray_, [&](uint32_t inst_id, uint32_t prim_id) {
+            const auto nearest = moves_.nearest_edge_of(doubles_.triangle(inst_id, prim_id));
+            const bool in_interval = nearest.t >= ray_.tmin && nearest.t <= ray_.tmax;
+            if (nearest.moves <= 1.0 && in_interval) add(inst_id, prim_id);
+            return ray_.tmax;
+        });
+        for (const Hit& answer : answers) {
+            if (names_triangle(doubles_.scene(), answer)) add(answer.inst_id, answer.prim_id);
+        }
+        std::stable_sort(passed.begin(), passed.end(), [](const Meeting& a, const Meeting& b) {
+            return a.edge_moves < b.edge_moves;
+        });
+        return passed;
+    }
+
+    const ExactTruth& exact_;
+    const DoubleTruth& doubles_;
+    SpreadRay ray_;
+    Moves moves_;  // of ray_
+    Truth truth_;
+};
+
 /// The verdict on a ray that is a miss by definition (see is_traceable).
 Verdict judge_untraceable(const Hit& answer) {
     Verdict verdict;
@@ -410,6 +530,13 @@ class ExactJudge final : public Judge {
         RayJudge ray_judge(exact_, moved_truth_, ray, query);
         for (const Hit& answer : answers) verdicts.push_back(ray_judge.judge(answer));
         return verdicts;
+    }
+
+    RayTruth explain(const Ray& ray, std::span<const Hit> answers) const override {
+        if (is_traceable(ray)) return RayReader(exact_, moved_truth_, ray).read(answers);
+        RayTruth told;
+        told.traceable = false;
+        return told;
     }
 
   private:

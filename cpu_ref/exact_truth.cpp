@@ -123,10 +123,53 @@ int compare(const ExactT& a, const ExactT& b) {
     return *sign_of(a.height * b.volume - b.height * a.volume);
 }
 
-double rounded(const ExactT& t) {
+double rounded(const Dyadic& above, const Dyadic& below) {
     using boost::multiprecision::cpp_rational;
-    const cpp_rational quotient(t.height.mantissa, t.volume.mantissa);
-    return std::ldexp(quotient.convert_to<double>(), t.height.exponent - t.volume.exponent);
+    const cpp_rational quotient(above.mantissa, below.mantissa);
+    return std::ldexp(quotient.convert_to<double>(), above.exponent - below.exponent);
+}
+double rounded(const ExactT& t) { return rounded(t.height, t.volume); }
+
+/// The quotient in decimal, cut after kDetailDigits significant digits: "0.5", "1.333...e-7"
+/// without the dots.
+std::string decimal(const Dyadic& above, const Dyadic& below) {
+    using boost::multiprecision::cpp_int;
+    if (above.mantissa.is_zero()) return "0";
+    const bool negative = above.mantissa.sign() != below.mantissa.sign();
+    cpp_int numerator = abs(above.mantissa);
+    cpp_int denominator = abs(below.mantissa);
+    const int shift = above.exponent - below.exponent;
+    (shift > 0 ? numerator : denominator) <<= std::abs(shift);
+
+    // digits = floor(quotient * 10^(kDetailDigits - 1 - exponent)), of just so many digits.
+    const auto scaled = [&](int exponent) {
+        const int power = kDetailDigits - 1 - exponent;
+        const cpp_int factor = pow(cpp_int(10), static_cast<unsigned>(std::abs(power)));
+        return power >= 0 ? cpp_int(numerator * factor / denominator)
+                          : cpp_int(numerator / (denominator * factor));
+    };
+    int exponent = static_cast<int>(std::floor(std::log10(std::abs(rounded(above, below)))));
+    std::string digits = scaled(exponent).str();
+    while (digits.size() != static_cast<size_t>(kDetailDigits)) {  // log10 was rounded
+        exponent += digits.size() > static_cast<size_t>(kDetailDigits) ? 1 : -1;
+        digits = scaled(exponent).str();
+    }
+    digits.erase(digits.find_last_not_of('0') + 1);
+
+    // Small exponents without an "e".
+    std::string text;
+    const auto count = static_cast<int>(digits.size());
+    if (exponent < -4 || exponent >= kDetailDigits) {
+        text = digits.substr(0, 1) + (count > 1 ? "." + digits.substr(1) : "") + "e" +
+               std::to_string(exponent);
+    } else if (exponent < 0) {
+        text = "0." + std::string(static_cast<size_t>(-exponent - 1), '0') + digits;
+    } else {
+        const auto whole = static_cast<size_t>(exponent) + 1;
+        if (digits.size() < whole) digits.resize(whole, '0');
+        text = digits.substr(0, whole) + (digits.size() > whole ? "." + digits.substr(whole) : "");
+    }
+    return (negative ? "-" : "") + text;
 }
 
 /// How near t_rounded is to the real t, relative to it: far below a float's 2^-24.
@@ -171,6 +214,29 @@ std::optional<ExactHit> ExactTruth::crossing(const SpreadRay& ray, uint32_t inst
     if (!decided) decided = crosses(form_of<Dyadic>(scene(), ray, inst_id, prim_id));
     if (!*decided) return {};
     return hit_of(scene(), ray, inst_id, prim_id, form);
+}
+
+ExactDetail ExactTruth::detail(const SpreadRay& ray, uint32_t inst_id, uint32_t prim_id) const {
+    const Form<Dyadic> form = form_of<Dyadic>(scene(), ray, inst_id, prim_id);
+    ExactDetail detail;
+    detail.crosses = *crosses(form);
+    detail.close = !crosses(form_of<Interval>(scene(), ray, inst_id, prim_id));
+    for (const Dyadic& weight : form.weights) {
+        detail.on_edge |= detail.crosses && *sign_of(weight) == 0;
+    }
+    detail.has_t = *sign_of(form.volume) != 0;
+    if (!detail.has_t) return detail;
+    detail.t = rounded(form.height, form.volume);
+    detail.u = rounded(form.weights[1], form.volume);
+    detail.v = rounded(form.weights[2], form.volume);
+    detail.t_digits = decimal(form.height, form.volume);
+    return detail;
+}
+
+double ExactTruth::distance(const SpreadRay& ray, const ExactHit& a, const ExactHit& b) const {
+    const ExactT ta = exact_t(scene(), ray, a);
+    const ExactT tb = exact_t(scene(), ray, b);
+    return rounded(tb.height * ta.volume - ta.height * tb.volume, ta.volume * tb.volume);
 }
 
 int ExactTruth::compare_t(const SpreadRay& ray, const ExactHit& a, const ExactHit& b) const {

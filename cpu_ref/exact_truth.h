@@ -7,6 +7,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "cpu_ref/candidates.h"
@@ -28,6 +29,19 @@ struct ExactHit {
     bool at_interval_end = false;  ///< t is exactly tmin or tmax
 };
 
+/// A line and a triangle, all in exact numbers: for a reader, who has the time.
+struct ExactDetail {
+    bool crosses = false;
+    bool on_edge = false;  ///< a barycentric coordinate is exactly 0
+    bool close = false;    ///< intervals could not tell whether it crosses
+    bool has_t = false;    ///< false: the line does not meet the plane in one point
+    double t = 0.0;        ///< these three are rounded
+    double u = 0.0;
+    double v = 0.0;
+    std::string t_digits;  ///< decimal, cut after kDetailDigits significant digits
+};
+inline constexpr int kDetailDigits = 30;
+
 class ExactTruth {
   public:
     /// `candidates` must outlive this.
@@ -44,6 +58,12 @@ class ExactTruth {
     /// Where the ray's line crosses the triangle, whatever the interval.
     std::optional<ExactHit> crossing(const SpreadRay& ray, uint32_t inst_id,
                                      uint32_t prim_id) const;
+
+    /// Cost: about a millisecond.
+    ExactDetail detail(const SpreadRay& ray, uint32_t inst_id, uint32_t prim_id) const;
+
+    /// The real t of b less that of a, rounded once.
+    double distance(const SpreadRay& ray, const ExactHit& a, const ExactHit& b) const;
 
   private:
     const Scene& scene() const { return candidates_.scene(); }

@@ -314,6 +314,25 @@ PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::strin
     return prepared;
 }
 
+std::vector<ivec3> cells_of_triangle(const PreparedStrategy& prepared, uint32_t inst_id,
+                                     uint32_t prim_id) {
+    if (prepared.info.structure != "two_level_grid") return {};
+    const Scene& scene = *prepared.scene;
+    const UniformGrid grid = build_triangle_grid(scene.objects[scene.instances[inst_id].object],
+                                                 two_level_sizing(prepared.params).object);
+    std::vector<ivec3> cells;
+    uvec3 cell(0);
+    for (cell.z = 0; cell.z < grid.dims.z; ++cell.z) {
+        for (cell.y = 0; cell.y < grid.dims.y; ++cell.y) {
+            for (cell.x = 0; cell.x < grid.dims.x; ++cell.x) {
+                const auto list = grid.cell_references(cell);
+                if (std::binary_search(list.begin(), list.end(), prim_id)) cells.push_back(cell);
+            }
+        }
+    }
+    return cells;
+}
+
 TopLevelMove plan_move(const PreparedStrategy& prepared,
                        std::span<const Affine> world_from_object) {
     if (std::holds_alternative<std::monostate>(prepared.moving)) {
@@ -327,8 +346,8 @@ TopLevelMove plan_move(const PreparedStrategy& prepared,
     }
     const uint64_t built_before = triangle_grids_built();
     const auto* textures = std::get_if<MovingTopLevel>(&prepared.moving);
-    TopLevelMove move =
-        textures != nullptr ? textures->plan(world_from_object)
+    TopLevelMove move = textures != nullptr
+                            ? textures->plan(world_from_object)
                             : std::get<MovingTopBuffers>(prepared.moving).plan(world_from_object);
     const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
     move.counts = {{"object_builds", object_builds, ""}, {"top_builds", 1.0, ""}};

@@ -47,6 +47,11 @@ PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::strin
                                   ScenePtr scene, const ParamValues& values,
                                   const TextureLimits& limits);
 
+/// The cells of its object's grid whose lists hold a triangle; empty if the structure has no grids.
+/// Cost: builds the object's grid anew: packed tables are made to be walked, not searched.
+std::vector<ivec3> cells_of_triangle(const PreparedStrategy& prepared, uint32_t inst_id,
+                                     uint32_t prim_id);
+
 /// Works out what Tracer::update() changes; nothing has changed yet.
 /// Throws: Error as Tracer::update().
 TopLevelMove plan_move(const PreparedStrategy& prepared, std::span<const Affine> world_from_object);

@@ -35,6 +35,7 @@ class TwinTracer final : public Tracer {
     Capabilities capabilities() const override {
         Capabilities capabilities;
         capabilities.counters = true;
+        capabilities.walks = true;
         capabilities.threads = static_cast<uint32_t>(tbb::this_task_arena::max_concurrency());
         capabilities.device = fmt::format("CPU, {}-bit floating point", unit_.bits);
         return capabilities;
@@ -75,6 +76,17 @@ class TwinTracer final : public Tracer {
         result.wall_ms = ms_since(start);
         result.device_ms = std::numeric_limits<double>::quiet_NaN();
         return result;
+    }
+
+    std::optional<RayWalk> walk(const Ray& ray) override {
+        const SceneNeeds needs = scene_needs(*prepared_.scene, {});
+        const auto constants = prepared_.constants(true, &needs);
+        const auto uniforms = camera_uniforms({});
+        return unit_.walk(twin::Bindings(prepared_.inputs, uniforms, constants), ray);
+    }
+
+    std::vector<ivec3> cells_of(uint32_t inst_id, uint32_t prim_id) override {
+        return cells_of_triangle(prepared_, inst_id, prim_id);
     }
 
     UpdateTimes update(std::span<const Affine> world_from_object) override {

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "compare/atomic_file.h"
+#include "compare/cli/bench_settings.h"
 #include "compare/cli/commands.h"
 #include "compare/cli/options.h"
 #include "compare/cli/progress_bar.h"
@@ -21,6 +22,8 @@ struct BenchCommand {
     StrategyOptions strategy;
     RayOptions rays{{"primary", "random"}, "512x512", 0};
     TimingOptions timing;
+    bool settings = false;
+    std::string entry = "fragment";
     std::string json;
 };
 
@@ -68,9 +71,17 @@ std::string timing_table(const std::vector<TimingRecord>& records) {
 /// Checks, then times, all contestants on one ray set.
 void bench_case(const Court& court, const Case& subject, const std::vector<Tracer*>& tracers,
                 const TimingOptions& timing, const Progress& progress, Results& results) {
-    std::vector<CheckRecord> checks;
+    std::vector<CastResult> answers;
+    std::vector<std::string> names;
     for (Tracer* tracer : tracers) {
-        checks.push_back(check_tracer(court, subject, *tracer, {.seed = timing.seed}).record);
+        answers.push_back(answers_of(subject, *tracer));
+        names.emplace_back(tracer->name());
+    }
+    std::vector<CheckRecord> checks;
+    for (HitComparison& comparison :
+         check_answers(court, subject, answers, names, {.seed = timing.seed})) {
+        checks.push_back(std::move(comparison.record));
+        checks.back().reference = checks.back().tracer.starts_with("embree/");
     }
     std::vector<TimingRecord> timings = time_casts(tracers, 0, subject.rays, timing, progress);
     if (timings.front().wall_ms.empty()) return;  // stopped before its first round
@@ -154,6 +165,17 @@ void add_bench(CLI::App& app, Session& session) {
     add_strategy_options(*command, options->strategy);
     add_ray_options(*command, options->rays);
     command
+        ->add_flag("--settings", options->settings,
+                   fmt::format("Speed against accuracy: a built-in list of strategies and "
+                               "parameters, every answer judged; unless given, rays {} and size {}",
+                               fmt::join(kSettingsKinds, ","), kSettingsSize))
+        ->excludes("--strategy")
+        ->excludes("--param");
+    command->add_option("--entry", options->entry, "Of --settings: fragment or compute")
+        ->check(CLI::IsMember({"fragment", "compute"}))
+        ->needs("--settings")
+        ->capture_default_str();
+    command
         ->add_option("--repetitions", options->timing.repetitions,
                      fmt::format("Counted rounds, at least {}", kLeastRepetitions))
         ->capture_default_str();
@@ -164,7 +186,13 @@ void add_bench(CLI::App& app, Session& session) {
         ->capture_default_str();
     command->add_option("--json", options->json, "Writes the results; '-' is standard output")
         ->type_name("FILE");
-    command->callback([&session, options] { run(session, *options); });
+    command->callback([&session, options, command] {
+        if (!options->settings) return run(session, *options);
+        if (command->count("--rays") == 0) options->rays.kinds = kSettingsKinds;
+        if (command->count("--size") == 0) options->rays.size = kSettingsSize;
+        bench_settings(session, {options->scenes, options->rays, options->timing, options->entry,
+                                 options->json});
+    });
 }
 
 }  // namespace onepass::cli

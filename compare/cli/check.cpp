@@ -1,4 +1,5 @@
 // onepass check: every strategy against the oracle, ray by ray and pixel by pixel.
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -81,6 +82,11 @@ std::string failure_text(const CheckRecord& record) {
     return reasons;
 }
 
+std::string verdict_text(const CheckRecord& record) {
+    if (record.reference) return record.tracer == record.oracle ? "(the oracle)" : "(beside it)";
+    return record.passed ? "passed" : "FAILED";
+}
+
 /// The wrong rays of one record, by the deviation that each disappears without.
 std::string attribution_text(const CheckRecord& record, const Attribution& attribution) {
     std::string text = fmt::format("{}, {} rays, {}: where {} wrong rays come from\n", record.scene,
@@ -119,17 +125,13 @@ std::string check_table(const std::vector<const CheckRecord*>& records) {
     std::string worst;
     for (const CheckRecord* record : records) {
         std::vector<std::string> row = {record->tracer};
-        std::vector<std::string> oracle_row = {"  oracle on the judged rays"};
         for (size_t c = 0; c < kHitClassCount; ++c) {
             row.push_back(std::to_string(record->classes[c].count));
-            oracle_row.push_back(std::to_string(record->oracle_classes[c]));
         }
         row.insert(row.end(),
                    {std::to_string(record->wrong_triangle), std::to_string(record->exhausted),
-                    std::to_string(record->judged), record->passed ? "passed" : "FAILED"});
-        oracle_row.insert(oracle_row.end(), {"", "", "", ""});
+                    std::to_string(record->judged), verdict_text(*record)});
         rows.push_back(row);
-        rows.push_back(oracle_row);
 
         worst += fmt::format("  {}{}\n", record->tracer, failure_text(*record));
         for (size_t c = 0; c < kHitClassCount; ++c) {
@@ -179,17 +181,24 @@ struct CheckRun {
         attributions += attribution_text(comparison.record, attribution);
     }
 
-    void check_hits_of(const Court& court, const Case& subject, const SelectedStrategy& strategy,
-                       Tracer& tracer) {
-        HitComparison comparison = check_tracer(court, subject, tracer, hit_options);
-        if (options.attribute) attribute(court, subject, strategy, comparison);
+    /// Judges all answers to one case, the first of them the selected strategies'.
+    void check_hits(const Court& court, const Case& subject, std::span<const CastResult> answers,
+                    std::span<const std::string> tracers, size_t strategies) {
         const RaySet& rays = subject.rays;
-        if (!rays.pixels.empty()) {
-            comparison.record.picture = pictures.add(
-                fmt::format("{}_{}_{}_classes", court.open.name, tracer.name(), rays.name),
-                class_picture(comparison.classes, rays.pixels, rays.width, rays.height));
+        auto comparisons = check_answers(court, subject, answers, tracers, hit_options);
+        for (size_t i = 0; i < comparisons.size(); ++i) {
+            HitComparison& comparison = comparisons[i];
+            comparison.record.reference = i >= strategies;
+            if (options.attribute && i < strategies) {
+                attribute(court, subject, selected[i], comparison);
+            }
+            if (!rays.pixels.empty() && i < strategies) {
+                comparison.record.picture = pictures.add(
+                    fmt::format("{}_{}_{}_classes", court.open.name, tracers[i], rays.name),
+                    class_picture(comparison.classes, rays.pixels, rays.width, rays.height));
+            }
+            results.checks.push_back(std::move(comparison.record));
         }
-        results.checks.push_back(std::move(comparison.record));
     }
 
     void check_image_of(const Court& court, const Frame& truth, Tracer& tracer) {
@@ -247,22 +256,44 @@ struct CheckRun {
                                          {.width = size.width, .height = size.height});
         }
 
-        // Every strategy.
+        // Every strategy answers.
+        std::vector<std::string> tracers;
+        std::vector<std::vector<CastResult>> answers(cases.size());
+        const auto cast_all = [&](Tracer& tracer) {
+            tracers.push_back(tracer.name());
+            for (size_t c = 0; c < cases.size(); ++c) {
+                answers[c].push_back(answers_of(cases[c], tracer));
+            }
+        };
+        const double steps = static_cast<double>(selected.size() + 1);
         for (size_t s = 0; s < selected.size() && !stopped; ++s) {
             const auto& [entry, params] = selected[s];
             const std::unique_ptr<Tracer> tracer = entry->make(at_rest, params);
             if (frame) tracer->update(transforms);
             results.tracers.push_back(
                 make_tracer_record(court.open.name, *tracer, entry->info, params));
-            for (const Case& subject : cases) check_hits_of(court, subject, selected[s], *tracer);
+            cast_all(*tracer);
             if (options.image && tracer->capabilities().render) {
                 check_image_of(court, truth, *tracer);
             } else if (options.image) {
                 cast_only.push_back(fmt::format("{}, {}", court.open.name, tracer->name()));
             }
-            const double done = static_cast<double>(s + 1) / static_cast<double>(selected.size());
-            stopped = !go_on(progress, done);
+            stopped = !go_on(progress, static_cast<double>(s + 1) / steps);
         }
+
+        // So does Embree, beside them, and all are judged.
+        const size_t strategies = tracers.size();
+        for (const char* reference : {kFastEmbreeName, kOracleName}) {
+            if (std::find(tracers.begin(), tracers.end(), reference) != tracers.end()) continue;
+            const CatalogueEntry& entry = session.catalogue.at(reference);
+            const std::unique_ptr<Tracer> embree = entry.make(court.open.scene, {});
+            results.tracers.push_back(make_tracer_record(court.open.name, *embree, entry.info, {}));
+            cast_all(*embree);
+        }
+        for (size_t c = 0; c < cases.size(); ++c) {
+            check_hits(court, cases[c], answers[c], tracers, strategies);
+        }
+        if (!stopped) stopped = !go_on(progress, 1.0);
     }
 
     void print() const {
@@ -292,7 +323,9 @@ struct CheckRun {
 
     bool passed() const {
         bool all = true;
-        for (const CheckRecord& record : results.checks) all &= record.passed;
+        for (const CheckRecord& record : results.checks) {
+            all &= record.passed || record.reference;
+        }
         for (const ImageRecord& record : results.images) all &= record.passed;
         return all;
     }

@@ -53,8 +53,10 @@ int run(int argc, char** argv) {
     add_list(app, session);
     add_render(app, session);
     add_check(app, session);
+    add_explain(app, session);
     add_bench(app, session);
     add_tune(app, session);
+    add_stress(app, session);
     add_reproduce(app, session);
     add_report(app, session);
     add_shader(app, session);

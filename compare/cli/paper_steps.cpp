@@ -222,8 +222,7 @@ Workshop make_workshop(const Session& session, const PaperEffort& effort) {
         return std::make_shared<const Scene>(in_form(std::move(scene), form));
     };
     workshop.referees = [&session](const ScenePtr& scene) {
-        return Referees{session.catalogue.at(kOracleName).make(scene, {}),
-                        make_exact_judge(scene)};
+        return Referees{session.catalogue.at(kOracleName).make(scene, {}), make_exact_judge(scene)};
     };
     workshop.poses = evenly_posed;
     workshop.timing = effort.timing;

@@ -85,18 +85,37 @@ Case open_case(Court& court, const std::string& kind_or_file, const RayRequest& 
     return subject;
 }
 
+CastResult answers_of(const Case& subject, Tracer& tracer) {
+    return tracer.cast(tracer.upload(subject.rays.rays), {.query = subject.rays.query});
+}
+
+std::vector<HitComparison> check_answers(const Court& court, const Case& subject,
+                                         std::span<const CastResult> answers,
+                                         std::span<const std::string> tracers,
+                                         const HitCheckOptions& options) {
+    const RaySet& rays = subject.rays;
+    HitCheckOptions bounds = options;
+    if (rays.at_edges) bounds.allowed.try_emplace(HitClass::edge, rays.rays.size());
+    std::vector<HitComparison> comparisons =
+        compare_hits(rays.rays, rays.query, answers, subject.truth, *court.judge, bounds);
+    for (size_t i = 0; i < comparisons.size(); ++i) {
+        CheckRecord& record = comparisons[i].record;
+        record.scene = court.open.name;
+        record.rays = rays.name;
+        record.ray_hash = rays.hash;
+        record.tracer = tracers[i];
+        record.oracle = court.oracle->name();
+    }
+    return comparisons;
+}
+
 HitComparison check_tracer(const Court& court, const Case& subject, Tracer& tracer,
                            const HitCheckOptions& options) {
-    const RaySet& rays = subject.rays;
-    const CastResult answers = tracer.cast(tracer.upload(rays.rays), {.query = rays.query});
-    HitComparison comparison =
-        compare_hits(rays.rays, rays.query, answers, subject.truth, *court.judge, options);
-    comparison.record.scene = court.open.name;
-    comparison.record.rays = rays.name;
-    comparison.record.ray_hash = rays.hash;
-    comparison.record.tracer = tracer.name();
-    comparison.record.oracle = court.oracle->name();
-    return comparison;
+    const CastResult answers = answers_of(subject, tracer);
+    const std::string name(tracer.name());
+    return std::move(
+        check_answers(court, subject, std::span(&answers, 1), std::span(&name, 1), options)
+            .front());
 }
 
 void finish(Session& session, Results& results, const std::string& json, bool stopped) {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,8 @@ namespace onepass::cli {
 
 /// The tracer that every check is against.
 inline constexpr char kOracleName[] = "embree/robust/threads";
+/// The tracer that is judged beside the oracle: Embree as most use it.
+inline constexpr char kFastEmbreeName[] = "embree/fast/threads";
 
 /// Exit codes of the program.
 enum ExitCode : int {
@@ -86,7 +89,17 @@ struct Case {
 };
 Case open_case(Court& court, const std::string& kind_or_file, const RayRequest& request);
 
-/// Casts and compares; the record is filled in whole.
+/// The tracer's answers to the case's rays.
+CastResult answers_of(const Case& subject, Tracer& tracer);
+
+/// Compares several tracers' answers, each ray judged once for all; the records are filled in
+/// whole. Rays aimed at edges have no budget of `edge` unless the options state one.
+std::vector<HitComparison> check_answers(const Court& court, const Case& subject,
+                                         std::span<const CastResult> answers,
+                                         std::span<const std::string> tracers,
+                                         const HitCheckOptions& options);
+
+/// Casts and compares one tracer.
 HitComparison check_tracer(const Court& court, const Case& subject, Tracer& tracer,
                            const HitCheckOptions& options);
 

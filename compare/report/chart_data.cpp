@@ -1,4 +1,5 @@
 // The figures behind the charts, as one JSON text. page.js draws them and computes nothing.
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -6,6 +7,7 @@
 
 #include "compare/report/sections.h"
 #include "compare/statistics.h"
+#include "compare/tradeoff.h"
 
 namespace onepass::report {
 namespace {
@@ -82,6 +84,75 @@ json motion_json(const FrameTimingRecord& record) {
             {"trace", number(record.median_ms)}};
 }
 
+json band_json(const ZeroBand& band) { return {{"low", band.low}, {"high", band.high}}; }
+
+size_t index_of(const std::vector<std::string>& names, const std::string& name) {
+    return static_cast<size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+json ladder_json(const LadderRecord& ladder, const std::vector<std::string>& colours) {
+    const LadderChart chart = ladder_chart(ladder);
+    json lines = json::array();
+    for (const LadderChart::Line& line : chart.lines) {
+        json points = json::array();
+        for (const LadderChart::Point& point : line.points) {
+            points.push_back({{"x", point.x},
+                              {"y", point.y},
+                              {"knob", knob_text(*point.rung)},
+                              {"failed", point.rung->failed()},
+                              {"trials", point.rung->trials}});
+        }
+        lines.push_back({{"name", name_of(line.climber)},
+                         {"colour", index_of(colours, family_of(line.climber.tracer))},
+                         {"twin", is_twin(line.climber)},
+                         {"points", points}});
+    }
+    json ticks = json::array();
+    for (const auto& tick : chart.ticks) ticks.push_back({{"x", tick.x}, {"text", tick.text}});
+    return {{"axis", ladder.unit.empty() ? ladder.knob : ladder.knob + ", " + ladder.unit},
+            {"ticks", ticks},
+            {"scaled", chart.to_scale_until},
+            {"band", band_json(chart.band)},
+            {"trials", {chart.least_trials, chart.most_trials}},
+            {"lines", lines}};
+}
+
+json cloud_json(const Cloud& cloud, const std::vector<std::string>& colours) {
+    const CloudAxis axis = cloud_axis(cloud);
+    json points = json::array();
+    for (size_t i = 0; i < cloud.points.size(); ++i) {
+        const TradeoffPoint& point = cloud.points[i];
+        const Climber setting{point.tracer, point.setting};
+        points.push_back({{"number", cloud.numbers[i]},
+                          {"name", name_of(setting)},
+                          {"colour", index_of(colours, family_of(point.tracer))},
+                          {"twin", is_twin(setting)},
+                          {"x", number(axis.x[i])},
+                          {"ratio", number(point.ratio)},
+                          {"low", number(point.ratio_low)},
+                          {"high", number(point.ratio_high)},
+                          {"errors", point.errors},
+                          {"count", point.ray_count},
+                          {"front", static_cast<bool>(cloud.front[i])},
+                          {"frontOfRest", static_cast<bool>(cloud.front_of_rest[i])}});
+    }
+    return {{"band", band_json(axis.band)}, {"points", points}};
+}
+
+/// Of all ladders and clouds, so that a strategy has one colour on the page.
+std::vector<std::string> colour_order(const std::vector<LadderOfRun>& ladders,
+                                      const std::vector<Cloud>& all_clouds) {
+    LadderRecord raced;
+    for (const Cloud& cloud : all_clouds) {
+        for (const TradeoffPoint& point : cloud.points) {
+            raced.rungs.emplace_back().tracer = point.tracer;
+        }
+    }
+    std::vector<const LadderRecord*> records = {&raced};
+    for (const LadderOfRun& ladder : ladders) records.push_back(ladder.record);
+    return families(records);
+}
+
 /// Inside a script element "<" could end it or open a comment; as an escape it means the same.
 std::string script_safe(std::string text) {
     for (size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at)) {
@@ -106,8 +177,16 @@ std::string chart_data(const Dossier& dossier) {
     }
     json motion = json::array();
     for (const auto& record : animations(dossier)) motion.push_back(motion_json(*record.record));
-    const json data = {
-        {"timings", timings}, {"sweeps", plots}, {"claims", claims}, {"motion", motion}};
+    const std::vector<LadderOfRun> ladders = ladders_of(dossier);
+    const std::vector<Cloud> all_clouds = clouds(dossier);
+    const std::vector<std::string> colours = colour_order(ladders, all_clouds);
+    json climbs = json::array(), tradeoffs = json::array();
+    for (const LadderOfRun& ladder : ladders) {
+        climbs.push_back(ladder_json(*ladder.record, colours));
+    }
+    for (const Cloud& cloud : all_clouds) tradeoffs.push_back(cloud_json(cloud, colours));
+    const json data = {{"timings", timings}, {"sweeps", plots},   {"claims", claims},
+                       {"motion", motion},   {"ladders", climbs}, {"tradeoffs", tradeoffs}};
     // Text from files need not be UTF-8; a chart label shows a replacement character then.
     return script_safe(data.dump(-1, ' ', false, json::error_handler_t::replace));
 }

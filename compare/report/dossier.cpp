@@ -52,6 +52,15 @@ void add_check(SceneDossier& scene, const Entry<CheckRecord>& check) {
     scene.checks.push_back(check);
 }
 
+void add_reference(SceneDossier& scene, const Entry<CheckRecord>& check) {
+    for (Entry<CheckRecord>& known : scene.references) {
+        if (known->tracer != check->tracer || known->rays != check->rays) continue;
+        if (check->ray_count > known->ray_count) known = check;
+        return;
+    }
+    scene.references.push_back(check);
+}
+
 void add_version(SceneDossier& scene, const Entry<SceneRecord>& version) {
     const bool known = std::any_of(scene.versions.begin(), scene.versions.end(),
                                    [&](const auto& v) { return v->hash == version->hash; });
@@ -115,7 +124,8 @@ Dossier gather(const std::vector<Results>& runs,
             dossier.software_renderer |= tracer.software_renderer;
         }
         for (const auto& check : run.checks) {
-            add_check(scene_named(dossier, check.scene), entry(check));
+            SceneDossier& scene = scene_named(dossier, check.scene);
+            check.reference ? add_reference(scene, entry(check)) : add_check(scene, entry(check));
         }
         for (const auto& image : run.images) {
             scene_named(dossier, image.scene).images.push_back(entry(image));
@@ -125,6 +135,9 @@ Dossier gather(const std::vector<Results>& runs,
         }
         for (const auto& point : run.sweeps) {
             scene_named(dossier, point.scene).sweeps.push_back(entry(point));
+        }
+        for (const auto& point : run.tradeoffs) {
+            scene_named(dossier, point.scene).tradeoffs.push_back(entry(point));
         }
     }
     for (SceneDossier& scene : dossier.scenes) set_lesser_checks_apart(scene);

@@ -36,9 +36,13 @@ struct SceneDossier {
     /// Checks of a tracer on a ray kind of which `checks` holds one with at least as many rays,
     /// such as those that a bench makes along with its timings.
     std::vector<Entry<CheckRecord>> lesser_checks;
+    /// Embree's own rows (CheckRecord::reference): one a tracer and ray kind, that of the most
+    /// rays.
+    std::vector<Entry<CheckRecord>> references;
     std::vector<Entry<ImageRecord>> images;
     std::vector<Entry<TimingRecord>> timings;
     std::vector<Entry<SweepPoint>> sweeps;
+    std::vector<Entry<TradeoffPoint>> tradeoffs;
 };
 
 struct Dossier {

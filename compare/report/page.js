@@ -328,7 +328,211 @@
         };
     }
 
-    const makers = { ratios, scatter, sweep, claims, series, motion };
+    // The strip of an axis of rates where a rate of 0 is drawn; its words lie in it.
+    const zeroBand = (band, axisName, text) => ({
+        id: "zeroBand",
+        beforeDatasetsDraw({ ctx, scales, chartArea }) {
+            const [a, b] = [band.low, band.high].map((v) => scales[axisName].getPixelForValue(v));
+            const { left, top, right, bottom } = chartArea;
+            const lying = axisName === "y";
+            ctx.save();
+            ctx.fillStyle = css("--raised");
+            if (lying) ctx.fillRect(left, b, right - left, bottom - b);
+            else ctx.fillRect(left, top, b - left, bottom - top);
+            ctx.strokeStyle = css("--rule-strong");
+            ctx.setLineDash([4, 3]);
+            ctx.beginPath();
+            ctx.moveTo(lying ? left : b, lying ? b : top);
+            ctx.lineTo(lying ? right : b, lying ? b : bottom);
+            ctx.stroke();
+            ctx.fillStyle = css("--quiet");
+            ctx.font = `12px ${Chart.defaults.font.family}`;
+            ctx.textAlign = lying ? "right" : "left";
+            ctx.textBaseline = "bottom";
+            if (lying) ctx.fillText(text, right - 4, b - 3);
+            else ctx.fillText(text, b + 5, bottom - 4);
+            ctx.restore();
+        },
+    });
+
+    const share = (v) => (v === 0 ? "0" : `${(100 * v).toLocaleString("en-US", { maximumSignificantDigits: 3 })} %`);
+    const shareTick = (value) => (Math.abs(Math.log10(value) % 1) < 1e-6 ? share(value) : null);
+    const failures = (p) => (p.failed === 0 ? `none of ${grouped(p.trials)}` : `${grouped(p.failed)} of ${grouped(p.trials)}`);
+
+    // A rung of its own a tick; those past `scaled` have no place on the knob's axis.
+    const unscaled = (from) => ({
+        id: "unscaled",
+        beforeDatasetsDraw({ ctx, scales, chartArea }) {
+            if (!(scales.x.max > from)) return;
+            const ticks = scales.x.ticks.map((t) => t.value).filter((v) => v > from);
+            if (ticks.length === 0) return;
+            const x = scales.x.getPixelForValue((from + Math.min(...ticks)) / 2);
+            ctx.save();
+            ctx.strokeStyle = css("--rule-strong");
+            ctx.setLineDash([2, 4]);
+            ctx.beginPath();
+            ctx.moveTo(x, chartArea.top);
+            ctx.lineTo(x, chartArea.bottom);
+            ctx.stroke();
+            ctx.restore();
+        },
+    });
+
+    function ladder(plot) {
+        const climb = data.ladders[Number(plot.dataset.ladder)];
+        const narrow = plot.clientWidth < 640;
+        const kin = {};  // of one colour, told apart by shape
+        const datasets = climb.lines.map((line) => {
+            const nth = (kin[line.colour] = (kin[line.colour] ?? -1) + 1);
+            return {
+                label: line.name,
+                data: line.points,
+                borderColor: colour(line.colour),
+                backgroundColor: line.points.map((p) => (p.failed === 0 ? css("--ground") : colour(line.colour))),
+                pointBorderColor: colour(line.colour),
+                pointStyle: kShapes[nth % kShapes.length],
+                borderWidth: line.twin ? 1.25 : 2,
+                borderDash: line.twin ? [4, 3] : [],
+                radius: line.twin ? 3 : 4,
+                hoverRadius: 6,
+                tension: 0,
+            };
+        });
+        const [least, most] = climb.trials;
+        const none = least === most ? `none of ${grouped(most)}` : `none of ${grouped(least)} to ${grouped(most)}`;
+        const xs = climb.ticks.map((t) => t.x);
+        const edge = 0.03 * Math.max(1e-9, Math.max(...xs) - Math.min(...xs)) || 1;
+        const texts = new Map(climb.ticks.map((t) => [t.x, t.text]));
+        const options = base({
+            x: axis(climb.axis, {
+                type: "linear",
+                min: Math.min(...xs) - edge,
+                max: Math.max(...xs) + edge,
+                afterBuildTicks: (scale) => { scale.ticks = climb.ticks.map((t) => ({ value: t.x })); },
+                ticks: { callback: (v) => texts.get(v), autoSkip: true, autoSkipPadding: 6, maxRotation: 50 },
+            }),
+            y: axis(narrow ? "" : "share of failures", {
+                type: "logarithmic",
+                min: climb.band.low,
+                max: 1.5,
+                ticks: { callback: (v) => (v > climb.band.high ? shareTick(v) : null) },
+            }),
+        }, (item) => `${item.dataset.label}, ${item.raw.knob}: ${failures(item.raw)}`);
+        options.plugins.legend = {
+            display: true,
+            position: "bottom",
+            labels: { color: css("--ink"), usePointStyle: true, boxHeight: 6, padding: narrow ? 8 : 12, font: { size: narrow ? 10 : 12 } },
+        };
+        if (narrow) plot.style.height = "28rem";
+        return { type: "line", plugins: [zeroBand(climb.band, "y", none), unscaled(climb.scaled)], data: { datasets }, options };
+    }
+
+    // Upright whiskers, dataset.interval[i] = [low, high]; and each point's number, put where it
+    // covers neither a point nor another number.
+    const upright = {
+        id: "upright",
+        afterDatasetsDraw(chart) {
+            const { ctx, scales, chartArea } = chart;
+            const points = chart.data.datasets.flatMap((dataset, d) => (dataset.interval
+                ? chart.getDatasetMeta(d).data.map((p, i) => ({ p, dataset, i })) : []));
+            ctx.save();
+            ctx.lineWidth = 1.25;
+            for (const { p, dataset, i } of points) {
+                const [low, high] = dataset.interval[i];
+                if (low === null || high === null) continue;
+                ctx.strokeStyle = dataset.borderColor;
+                ctx.beginPath();
+                for (const y of [low, high].map((v) => scales.y.getPixelForValue(v))) {
+                    ctx.moveTo(p.x - 3, y);
+                    ctx.lineTo(p.x + 3, y);
+                }
+                ctx.moveTo(p.x, scales.y.getPixelForValue(low));
+                ctx.lineTo(p.x, scales.y.getPixelForValue(high));
+                ctx.stroke();
+            }
+            ctx.font = `600 12px ${Chart.defaults.font.family}`;
+            ctx.fillStyle = css("--ink");
+            ctx.textAlign = "center";
+            ctx.textBaseline = "middle";
+            const taken = points.map(({ p }) => ({ x: p.x, y: p.y, w: 6, h: 6 }));
+            for (const { p, dataset, i } of points) {
+                const text = String(dataset.data[i].number);
+                const box = { w: 3 + 3.5 * text.length, h: 7 };
+                const places = [[11, 0], [-11, 0], [9, -11], [-9, -11], [9, 11], [-9, 11], [0, -15], [0, 15], [22, 0], [-22, 0], [20, -14], [20, 14]]
+                    .map(([x, y]) => ({ x: p.x + x + Math.sign(x) * (box.w - 6), y: p.y + y, ...box }))
+                    .filter((a) => a.x - a.w > chartArea.left && a.x + a.w < chartArea.right);
+                const free = places.find((a) => taken.every((b) =>
+                    Math.abs(a.x - b.x) > a.w + b.w || Math.abs(a.y - b.y) > a.h + b.h)) ?? places[0];
+                taken.push(free);
+                ctx.fillText(text, free.x, free.y);
+            }
+            ctx.restore();
+        },
+    };
+
+    function tradeoff(plot) {
+        const cloud = data.tradeoffs[Number(plot.dataset.cloud)];
+        const narrow = plot.clientWidth < 640;
+        const points = cloud.points.filter((p) => p.x !== null && p.ratio !== null).map((p) => ({ ...p, y: p.ratio }));
+        const families = distinct(points.map((p) => p.colour));
+        const datasets = families.flatMap((family) => [false, true].map((twin) => {
+            const mine = points.filter((p) => p.colour === family && p.twin === twin);
+            const name = mine[0]?.name.split(" ")[0].split("/");
+            return {
+                label: mine.length === 0 ? "" : `${name[0]}${name[0] === "embree" ? ` ${name[1]}` : ""}${twin ? ", twins" : ""}`,
+                data: mine,
+                interval: mine.map((p) => [p.low, p.high]),
+                pointStyle: twin ? "triangle" : kShapes[family % 2 === 0 ? 0 : 1],
+                radius: 5.5,
+                hoverRadius: 7,
+                borderWidth: 1.75,
+                borderColor: colour(family),
+                backgroundColor: mine.map((p) => (p.front ? colour(family) : `${colour(family)}44`)),
+            };
+        })).filter((d) => d.data.length > 0);
+        const front = (member, label, dash) => ({
+            label,
+            data: points.filter((p) => p[member]).sort((a, b) => a.x - b.x),
+            showLine: true,
+            stepped: "after",
+            radius: 0,
+            hoverRadius: 0,
+            pointStyle: "line",
+            borderColor: css(dash.length ? "--quiet" : "--good"),
+            backgroundColor: "transparent",
+            borderWidth: dash.length ? 1.5 : 2.5,
+            borderDash: dash,
+        });
+        const fronts = [front("front", "Pareto front", []), front("frontOfRest", "without Embree", [5, 4])]
+            .filter((d) => d.data.length > 0);
+        const right = Math.max(...points.map((p) => p.x), 20 * cloud.band.high);
+        const rays = Math.max(...points.map((p) => p.count));
+        const options = base({
+            x: axis("share of wrong answers", {
+                type: "logarithmic",
+                min: cloud.band.low,
+                max: Math.min(1.5, 2 * right),
+                ticks: { callback: (v) => (v > cloud.band.high ? shareTick(v) : null), maxRotation: 0 },
+            }),
+            y: axis(narrow ? "" : "times Embree’s speed", {
+                type: "logarithmic",
+                ...margins(points.flatMap((p) => [p.low ?? p.y, p.high ?? p.y]), 1.4),
+                ticks: { callback: logTick },
+            }),
+        }, (item) => {
+            const p = item.raw;
+            return `${p.number}: ${p.name}: ${short(p.ratio)} (${short(p.low ?? NaN)} to ${short(p.high ?? NaN)}), ${errorText(p.errors)} in ${grouped(p.count)}`;
+        });
+        options.plugins.legend = {
+            display: true,
+            position: "bottom",
+            labels: { color: css("--ink"), usePointStyle: true, boxHeight: 7, padding: narrow ? 8 : 14 },
+            onClick: () => {},
+        };
+        return { type: "scatter", plugins: [zeroBand(cloud.band, "x", `none of ${grouped(rays)}`), upright], data: { datasets: [...datasets, ...fronts] }, options };
+    }
+
+    const makers = { ratios, scatter, sweep, claims, series, motion, ladder, tradeoff };
     let charts = [];
     function draw() {
         charts.forEach((chart) => chart.destroy());

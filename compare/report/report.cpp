@@ -52,8 +52,10 @@ std::string palette_css() {
 }
 
 std::string page_heading(const Dossier& dossier) {
-    return is_reproduction(dossier) ? "The paper, reproduced: what still holds"
-                                    : "Ray traversal, judged against Embree";
+    if (is_reproduction(dossier)) return "The paper, reproduced: what still holds";
+    return dossier.scenes.empty() && !ladders_of(dossier).empty()
+               ? "Ray traversal, pushed until it fails"
+               : "Ray traversal, judged against Embree";
 }
 
 std::string page_title(const Dossier& dossier) {
@@ -102,6 +104,8 @@ std::string render_report(const std::vector<Results>& runs,
     for (const SceneDossier& scene : dossier.scenes) {
         add("scene-" + slug(scene.name), escape(scene.name), scene_section(dossier, scene));
     }
+    add("ladders", "Ladders", ladder_section(dossier));
+    add("tradeoff", "Speed and accuracy", tradeoff_section(dossier));
     add("speed", "Speed", speed_section(dossier));
     add("grid-size", "Grid size", sweep_section(dossier));
     add("structures", "Structures", structure_section(dossier));

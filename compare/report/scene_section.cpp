@@ -182,15 +182,25 @@ std::string watched_cell(uint64_t count) {
     return cell(grouped(count), count == 0 ? "zero" : "bad");
 }
 
+/// Whether the oracle's own answers to the check's rays have a row of their own.
+bool oracle_has_row(const SceneDossier& scene, const CheckRecord& check) {
+    return std::any_of(scene.references.begin(), scene.references.end(), [&](const auto& row) {
+        return row->tracer == check.oracle && row->ray_hash == check.ray_hash;
+    });
+}
+
 std::string check_rows(const SceneDossier& scene, const Entry<CheckRecord>& check) {
     // The tracer's own line.
-    std::string html = "<tr>";
-    html +=
-        fmt::format("<th scope=\"row\" rowspan=\"2\">{}</th>", escape(label(scene.checks, check)));
-    html += fmt::format("<td rowspan=\"2\" class=\"text\">{}<small>{}</small></td>",
-                        escape(check->rays), counted(check->ray_count, "ray"));
-    html += fmt::format("<td rowspan=\"2\" class=\"text\">{}</td>", badge(check->passed));
-    html += cell("tracer", "text");
+    const bool shows_oracle = !check->reference && !oracle_has_row(scene, *check.record);
+    const char* span = shows_oracle ? " rowspan=\"2\"" : "";
+    const std::string verdict =
+        check->reference ? "<span class=\"badge\">Beside</span>" : badge(check->passed);
+    std::string html = check->reference ? "<tr class=\"oracle\">" : "<tr>";
+    html += fmt::format("<th scope=\"row\"{}>{}</th>", span, escape(label(scene.checks, check)));
+    html += fmt::format("<td{} class=\"text\">{}<small>{}</small></td>", span, escape(check->rays),
+                        counted(check->ray_count, "ray"));
+    html += fmt::format("<td{} class=\"text\">{}</td>", span, verdict);
+    html += cell(check->tracer == check->oracle ? "oracle" : "tracer", "text");
     for (size_t c = 0; c < kHitClassCount; ++c) html += class_cell(*check.record, c);
     html +=
         cell(fmt::format("{}<small>{}</small>", percent(check->wrong_triangle, check->ray_count),
@@ -199,6 +209,7 @@ std::string check_rows(const SceneDossier& scene, const Entry<CheckRecord>& chec
     html += watched_cell(check->exhausted);
     html += cell(grouped(check->oracle_invalid), check->oracle_invalid == 0 ? "zero" : "");
     html += cell(grouped(check->judged)) + "</tr>\n";
+    if (!shows_oracle) return html;
 
     // The oracle's answers to the rays that were judged.
     html += "<tr class=\"oracle\">" + cell("oracle", "text");
@@ -231,8 +242,10 @@ std::string check_table(const SceneDossier& scene, const std::vector<Entry<Check
 }
 
 std::string mismatch_tables(const SceneDossier& scene) {
-    if (scene.checks.empty()) return {};
-    std::string html = "<h3>Hits, ray by ray</h3>\n" + check_table(scene, scene.checks);
+    if (scene.checks.empty() && scene.references.empty()) return {};
+    std::vector<Entry<CheckRecord>> rows = scene.checks;
+    rows.insert(rows.end(), scene.references.begin(), scene.references.end());
+    std::string html = "<h3>Hits, ray by ray</h3>\n" + check_table(scene, rows);
     html +=
         "<p class=\"note\">Every ray is in one class. A check passes when <code>false_miss</code>, "
         "<code>false_hit</code>, <code>wrong_surface</code> and <code>t_error</code> are within "
@@ -240,7 +253,8 @@ std::string mismatch_tables(const SceneDossier& scene) {
         "<em>Wrong triangle</em>: both answers are hits and their ids differ, as a share of all "
         "rays. <em>Exhausted</em>: the ray ran out of a loop budget. <em>Oracle-invalid</em>: the "
         "oracle cannot take the ray; it is in no class. <em>Judged</em>: rays that went to the "
-        "judge; on the others tracer and oracle agree.</p>\n";
+        "judge; on the others all tracers and the oracle agree. <em>Beside</em>: Embree, judged by "
+        "the same truth; it fails no check.</p>\n";
     if (scene.lesser_checks.empty()) return html;
     return html + fmt::format(
                       "<details><summary>{} of the same tracers and ray kinds on no more "
@@ -250,17 +264,6 @@ std::string mismatch_tables(const SceneDossier& scene) {
 }
 
 // ---- The worst rays.
-
-std::string ray_text(const Ray& ray) {
-    return fmt::format("--ray {},{},{},{},{},{},{},{}", exact(ray.org.x), exact(ray.org.y),
-                       exact(ray.org.z), exact(ray.tmin), exact(ray.dir.x), exact(ray.dir.y),
-                       exact(ray.dir.z), exact(ray.tmax));
-}
-
-std::string hit_text(double t, uint32_t prim_id, uint32_t inst_id) {
-    if (inst_id == kNoId) return "miss";
-    return fmt::format("t {:.9g}<small>triangle {}<br>instance {}</small>", t, prim_id, inst_id);
-}
 
 std::string worst_row(const SceneDossier& scene, const Entry<CheckRecord>& check, size_t c) {
     const WorstRay& worst = *check->classes[c].worst;
@@ -279,10 +282,12 @@ std::string worst_row(const SceneDossier& scene, const Entry<CheckRecord>& check
 
 std::string worst_rays(const SceneDossier& scene) {
     std::string rows;
-    for (const auto& check : scene.checks) {
-        for (size_t c = 0; c < kHitClassCount; ++c) {
-            if (class_at(c) != HitClass::agree && check->classes[c].worst) {
-                rows += worst_row(scene, check, c);
+    for (const auto* checks : {&scene.checks, &scene.references}) {
+        for (const auto& check : *checks) {
+            for (size_t c = 0; c < kHitClassCount; ++c) {
+                if (class_at(c) != HitClass::agree && check->classes[c].worst) {
+                    rows += worst_row(scene, check, c);
+                }
             }
         }
     }
@@ -383,6 +388,17 @@ std::string slack_explanation(const Dossier& dossier, const SceneDossier& scene)
 }
 
 }  // namespace
+
+std::string ray_text(const Ray& ray) {
+    return fmt::format("--ray {},{},{},{},{},{},{},{}", exact(ray.org.x), exact(ray.org.y),
+                       exact(ray.org.z), exact(ray.tmin), exact(ray.dir.x), exact(ray.dir.y),
+                       exact(ray.dir.z), exact(ray.tmax));
+}
+
+std::string hit_text(double t, uint32_t prim_id, uint32_t inst_id) {
+    if (inst_id == kNoId) return "miss";
+    return fmt::format("t {:.9g}<small>triangle {}<br>instance {}</small>", t, prim_id, inst_id);
+}
 
 std::string scene_section(const Dossier& dossier, const SceneDossier& scene) {
     std::string html = fmt::format("<section id=\"scene-{}\" class=\"scene\">\n<h2>{}</h2>\n",

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "compare/report/dossier.h"
+#include "compare/report/ladders.h"
 
 namespace onepass::report {
 
@@ -38,6 +39,12 @@ std::string summary_section(const Dossier& dossier);
 /// picks wrong triangles. Throws: as render_report for a picture.
 std::string scene_section(const Dossier& dossier, const SceneDossier& scene);
 
+/// Where each tracer fails on each ladder: one table over all, then ladder by ladder.
+std::string ladder_section(const Dossier& dossier);
+
+/// Rate against errors of every setting, with the Pareto front: over all scenes, then each scene.
+std::string tradeoff_section(const Dossier& dossier);
+
 /// Timing table and charts; error counts stand beside every speed.
 std::string speed_section(const Dossier& dossier);
 
@@ -64,6 +71,47 @@ std::vector<Sweep> sweeps(const Dossier& dossier);
 
 /// The frames of an animation, by scene and tracer, in file order.
 std::vector<Entry<FrameTimingRecord>> animations(const Dossier& dossier);
+
+/// A ladder with its run.
+struct LadderOfRun {
+    const LadderRecord* record = nullptr;
+    size_t run = 0;
+    bool repeated = false;  ///< other runs hold a ladder of this id as well
+
+    const LadderRecord* operator->() const { return record; }
+};
+std::vector<LadderOfRun> ladders_of(const Dossier& dossier);
+
+/// On which ladders `grid` is among the first to fail, or that it is on none. Escaped.
+std::string grid_first_sentence(const std::vector<LadderOfRun>& ladders);
+
+/// One chart of speed against accuracy.
+struct Cloud {
+    std::string title;
+    size_t run = 0;
+    bool over_scenes = false;
+    std::vector<TradeoffPoint> points;  ///< pooled over the parts
+    std::vector<TradeoffPoint> parts;   ///< by scene and ray kind
+    std::vector<size_t> numbers;        ///< of the settings, from 1; the same in all of the run
+    std::vector<bool> front;            ///< on_front()
+    std::vector<bool> front_of_rest;    ///< on_front() among all but Embree's
+};
+
+/// Of each run one over all its scenes, if they are several, and one a scene.
+std::vector<Cloud> clouds(const Dossier& dossier);
+
+/// Where the cloud's points lie along the error rate.
+struct CloudAxis {
+    ZeroBand band;
+    std::vector<double> x;  ///< error_rate(); in the strip if that is 0
+};
+CloudAxis cloud_axis(const Cloud& cloud);
+
+/// "--ray 0,0,5,0,0,0,-1,inf": reads back bit-equal. Not escaped.
+std::string ray_text(const Ray& ray);
+
+/// A hit as a table cell has it: "t 2.25" and the ids, or "miss".
+std::string hit_text(double t, uint32_t prim_id, uint32_t inst_id);
 
 /// "Holds", "Fails", "Depends" or "Not measured", told apart by shape and word as well as by
 /// colour.

@@ -37,6 +37,11 @@ std::string scope_paragraph(const Dossier& dossier) {
             if (timing.tracer) devices.insert(timing.tracer->device);
         }
         for (const auto& point : scene.sweeps) tracers.insert(point->tracer);
+        for (const auto& point : scene.tradeoffs) {
+            tracers.insert(point->tracer);
+            oracles.insert(point->oracle);
+            rays.insert(point->rays);
+        }
     }
     for (const std::string& oracle : oracles) tracers.erase(oracle);
     for (auto* names : {&tracers, &oracles, &judges, &rays, &devices}) names->erase("");
@@ -76,8 +81,10 @@ std::string key_figures(const Dossier& dossier) {
 }
 
 std::string verdict_row(const SceneDossier& scene) {
-    const std::string mark = scene_judged(scene) ? badge(scene_passed(scene))
-                                                 : "<span class=\"badge\">Not judged</span>";
+    const std::string mark = scene_judged(scene)
+                                 ? badge(scene_passed(scene))
+                                 : fmt::format("<span class=\"badge\">{}</span>",
+                                               scene.tradeoffs.empty() ? "Not judged" : "Measured");
     return fmt::format("<li>{}<a href=\"#scene-{}\">{}</a><span>{}</span></li>\n", mark,
                        slug(scene.name), escape(scene.name), verdict_sentence(scene));
 }
@@ -132,6 +139,10 @@ bool scene_passed(const SceneDossier& scene) {
 }
 
 std::string verdict_sentence(const SceneDossier& scene) {
+    if (!scene_judged(scene) && !scene.tradeoffs.empty()) {
+        return "Settings held against each other, every answer judged: <a href=\"#tradeoff\">speed "
+               "against accuracy</a>.";
+    }
     if (!scene_judged(scene)) return "Measured only; these runs hold no comparison of its hits.";
     const auto failed = [](const auto& entry) { return !entry->passed; };
     uint64_t rays = 0, errors = 0;
@@ -168,6 +179,7 @@ std::string verdict_sentence(const SceneDossier& scene) {
 }
 
 std::string summary_section(const Dossier& dossier) {
+    if (dossier.scenes.empty() && !dossier.software_renderer) return {};
     std::string html = "<section id=\"summary\">\n<h2>Summary</h2>\n";
     if (dossier.software_renderer) {
         html +=
@@ -175,6 +187,7 @@ std::string summary_section(const Dossier& dossier) {
             "were made by a renderer that runs on the CPU. They say nothing of a GPU’s speed; "
             "hits and errors do carry over as far as both round alike.</p>\n";
     }
+    if (dossier.scenes.empty()) return html + "</section>\n";
     html += scope_paragraph(dossier);
     html += key_figures(dossier);
     html += "<ul class=\"verdicts\">\n";

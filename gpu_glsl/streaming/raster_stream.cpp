@@ -54,9 +54,12 @@ std::string state_file(const std::string& name) {
     return fmt::format("streaming/raster/{}_state.glsl", name);
 }
 
-std::vector<std::string> kernel_files(Kernel kernel) {
+std::vector<std::string> kernel_files(Kernel kernel, bool casting) {
     const std::string name = to_string(kernel);
-    return {state_file(name), fmt::format("streaming/{}.glsl", name)};
+    const std::string text = fmt::format("streaming/{}.glsl", name);
+    if (kernel == Kernel::shade) return {state_file(name), text};  // it makes rays, and reads none
+    const char* const ray = casting ? "cast_ray" : "path_ray";
+    return {state_file(name), fmt::format("streaming/raster/{}.glsl", ray), text};
 }
 
 std::vector<std::string> generate_files(const Variant& variant) {
@@ -119,10 +122,10 @@ RasterStream::RasterStream(const Shaders& shaders, const gl::GlContext& context,
     for (const Kernel kernel : kAllKernels) {
         if (!variant.uses(kernel)) continue;
         const Variant needed = needed_by(kernel, variant);
-        KernelPrograms programs{
-            shaders.fragment_program(kernel_files(kernel), needed, Role::kernel), {}};
+        const std::vector<std::string> files = kernel_files(kernel, variant.casting);
+        KernelPrograms programs{shaders.fragment_program(files, needed, Role::kernel), {}};
         if (measures_copies) {
-            programs.copy = shaders.fragment_program(kernel_files(kernel), needed, Role::copy);
+            programs.copy = shaders.fragment_program(files, needed, Role::copy);
         }
         kernels_.push_back(std::move(programs));
     }
@@ -132,7 +135,7 @@ std::string RasterStream::cast_text(const Shaders& shaders) {
     const Variant variant{.casting = true, .counters = false, .needs = {}};
     std::string text;
     for (const Kernel kernel : {Kernel::traverse, Kernel::intersect}) {
-        text += shaders.compose("fragment", kernel_files(kernel), variant, Role::kernel).text;
+        text += shaders.compose("fragment", kernel_files(kernel, true), variant, Role::kernel).text;
     }
     return text;
 }

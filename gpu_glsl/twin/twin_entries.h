@@ -3,6 +3,9 @@
 // `Program` is a struct whose members are the strategy's whole shader text (twin_unit.cpp.in).
 #pragma once
 
+#include <algorithm>
+
+#include "core/error.h"
 #include "gpu_glsl/twin/twin_unit.h"
 
 namespace onepass::twin {
@@ -30,6 +33,50 @@ void cast_rays(const Bindings& bindings, std::span<const Ray> rays, const CastOu
         out.flags[i] = program.ray_flags;
         if (!out.counters.empty()) out.counters[i] = counters_of(program, 1);
     }
+}
+
+// ---- A walk, written down: what the NOTE_ macros of the shader text call -----------------------
+
+template <class Vec>
+void note_cell(RayWalk& walk, uint32_t inst_id, const Vec& cell) {
+    // Integers, or coordinates that are whole but for rounding.
+    walk.steps.push_back({inst_id, ivec3(glm::round(dvec3(cell))), {}});
+}
+
+inline void note_test(RayWalk& walk, uint32_t inst_id, uint32_t prim_id) {
+    ONEPASS_CHECK(!walk.steps.empty());
+    ONEPASS_CHECK_EQ(walk.steps.back().inst_id, inst_id);
+    walk.steps.back().tests.push_back({prim_id});
+}
+
+/// Marks the last test of the hit's triangle.
+template <class ProgramHit>
+void note_hit(RayWalk& walk, const ProgramHit& hit) {
+    for (auto step = walk.steps.rbegin(); step != walk.steps.rend(); ++step) {
+        if (step->inst_id != hit.inst_id) continue;
+        const auto test =
+            std::find_if(step->tests.rbegin(), step->tests.rend(),
+                         [&](const WalkTest& t) { return t.prim_id == hit.prim_id; });
+        if (test == step->tests.rend()) continue;
+        test->accepted = true;
+        test->t = hit.t;
+        return;
+    }
+    ONEPASS_CHECK(false && "a hit of a triangle that was not noted");
+}
+
+template <class Program>
+RayWalk walk_ray(const Bindings& bindings, const Ray& ray) {
+    using Vec3 = typename Program::Vec3;
+    Program program(bindings);
+    RayWalk walk;
+    program.walk_ = &walk;
+    program.reset_counters();
+    walk.hit = to_hit<Program>(program.closest_hit(
+        typename Program::Ray{Vec3(ray.org), ray.tmin, Vec3(ray.dir), ray.tmax}));
+    walk.flags = program.ray_flags;
+    walk.counters = counters_of(program, 1);
+    return walk;
 }
 
 template <class Program>

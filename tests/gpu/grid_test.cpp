@@ -54,7 +54,8 @@ std::vector<Ray> rays_of_kind(const std::string& kind, const Scene& scene, uint3
 
 std::string describe(const Ray& ray, const Hit& hit, const Verdict& verdict) {
     return fmt::format(
-        "{}: org ({:a}, {:a}, {:a}) dir ({:a}, {:a}, {:a}) t [{:a}, {:a}]; answered t {:.9g} prim {} "
+        "{}: org ({:a}, {:a}, {:a}) dir ({:a}, {:a}, {:a}) t [{:a}, {:a}]; answered t {:.9g} prim "
+        "{} "
         "inst {}, truly t {:.17g} prim {} inst {}; t off by {} ulps",
         to_string(verdict.hit_class), ray.org.x, ray.org.y, ray.org.z, ray.dir.x, ray.dir.y,
         ray.dir.z, ray.tmin, ray.tmax, hit.t, hit.prim_id, hit.inst_id, verdict.true_t,
@@ -138,7 +139,8 @@ TEST_F(GridStrategy, a_scene_of_any_size_is_as_right_as_one_of_size_1) {
         const ScenePtr scene = ball_at(scale * vec3(1.0f, -0.3f, 0.7f), scale);
         for (const char* kind : {"vertex", "random"}) {
             expect_no_error(*make("grid/buffer/twin32", scene), scene,
-                            rays_of_kind(kind, *scene, 32), fmt::format("size {}, {}", scale, kind));
+                            rays_of_kind(kind, *scene, 32),
+                            fmt::format("size {}, {}", scale, kind));
         }
     }
 }
@@ -170,8 +172,8 @@ TEST_F(GridStrategy, instances_of_extreme_shape_and_size_are_hit_rightly) {
     for (const Instance& instance : scene->instances) {
         for (size_t i = 0; i < ball.positions.size(); i += 5) {
             const vec3 target = transform_point(instance.world_from_object, ball.positions[i]);
-            const vec3 from = transform_point(instance.world_from_object,
-                                              3.0f * ball.positions[(i * 7) % ball.positions.size()]);
+            const vec3 from = transform_point(
+                instance.world_from_object, 3.0f * ball.positions[(i * 7) % ball.positions.size()]);
             rays.push_back({from, 0.0f, target - from, kInfinity});
             rays.push_back({target + 50.0f * (target - from), 0.0f, from - target, kInfinity});
         }
@@ -180,8 +182,8 @@ TEST_F(GridStrategy, instances_of_extreme_shape_and_size_are_hit_rightly) {
 }
 
 TEST_F(GridStrategy, the_finest_grid_loses_nothing_along_its_planes_and_through_its_corners) {
-    // A lattice of 64 x 64 x 2 cells with a bump a cell, whose grid's planes are the lattice's; rays
-    // in these planes, along cells' edges and diagonals, and through their corners.
+    // A lattice of 64 x 64 x 2 cells with a bump a cell, whose grid's planes are the lattice's;
+    // rays in these planes, along cells' edges and diagonals, and through their corners.
     constexpr int kSide = 64;
     Scene scene = *ball_at(vec3(0.0f), 1.0f);
     Object& lattice = scene.objects.front();
@@ -278,8 +280,8 @@ TEST_F(GridStrategy, a_hit_at_the_very_end_of_the_interval_is_decided_exactly) {
     std::vector<Ray> cut;
     for (size_t i = 0; i < rays.size(); ++i) {
         if (!hits[i].is_hit()) continue;
-        for (const float t : {hits[i].t, std::nextafter(hits[i].t, 0.0f),
-                              std::nextafter(hits[i].t, kInfinity)}) {
+        for (const float t :
+             {hits[i].t, std::nextafter(hits[i].t, 0.0f), std::nextafter(hits[i].t, kInfinity)}) {
             cut.push_back({rays[i].org, 0.0f, rays[i].dir, t});
             cut.push_back({rays[i].org, t, rays[i].dir, kInfinity});
         }
@@ -291,13 +293,11 @@ TEST_F(GridStrategy, a_ray_that_is_none_is_a_miss_and_visits_no_cell) {
     const ScenePtr scene = share(make_instances());
     const vec3 centre = scene_bounds(*scene).centre();
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    std::vector<Ray> rays = {{centre, 0.0f, vec3(0.0f), kInfinity},
-                             {centre, 0.0f, vec3(-0.0f), kInfinity},
-                             {centre, 2.0f, vec3(0, -1, 0), 1.0f},
-                             {centre, -1.0f, vec3(0, -1, 0), 1.0f},
-                             {centre, nan, vec3(0, -1, 0), kInfinity},
-                             {centre, 0.0f, vec3(0, -1, 0), nan},
-                             {centre, kInfinity, vec3(0, -1, 0), kInfinity}};
+    std::vector<Ray> rays = {
+        {centre, 0.0f, vec3(0.0f), kInfinity},         {centre, 0.0f, vec3(-0.0f), kInfinity},
+        {centre, 2.0f, vec3(0, -1, 0), 1.0f},          {centre, -1.0f, vec3(0, -1, 0), 1.0f},
+        {centre, nan, vec3(0, -1, 0), kInfinity},      {centre, 0.0f, vec3(0, -1, 0), nan},
+        {centre, kInfinity, vec3(0, -1, 0), kInfinity}};
     for (const float bad : {nan, kInfinity, -kInfinity}) {
         for (int axis = 0; axis < 3; ++axis) {
             Ray ray{centre, 0.0f, vec3(0, -1, 0), kInfinity};
@@ -370,7 +370,8 @@ TEST_F(GridStrategy, secondary_rays_start_in_front_of_their_surface_at_any_scale
             }
             const std::vector<Hit> next = cast(*tracer, secondary).hits;
             for (size_t i = 0; i < next.size(); ++i) {
-                EXPECT_FALSE(next[i].prim_id == left[i].prim_id && next[i].inst_id == left[i].inst_id)
+                EXPECT_FALSE(next[i].prim_id == left[i].prim_id &&
+                             next[i].inst_id == left[i].inst_id)
                     << "scale " << scale << ", " << distance << " sizes away";
             }
             EXPECT_GT(secondary.size(), 500u);

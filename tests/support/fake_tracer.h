@@ -19,6 +19,7 @@ class FakeTracer final : public Tracer {
     explicit FakeTracer(std::string name) : name_(std::move(name)) {}
 
     std::function<Hit(const Ray&)> answer = [](const Ray&) { return Hit{}; };
+    std::function<uint32_t(const Ray&)> flag = [](const Ray&) { return 0u; };  ///< RayFlag bits
     double cast_ms = 1.0;
     double frame_ms = 1.0;          ///< of each render, which adds the name to `log` as well
     std::vector<Stat> frame_costs;  ///< of each render
@@ -27,7 +28,9 @@ class FakeTracer final : public Tracer {
     Capabilities abilities;
     std::vector<Stat> figures;
     UpdateTimes update_times;
-    std::vector<Affine> moved;  ///< the transforms of the last update
+    std::vector<Affine> moved;   ///< the transforms of the last update
+    std::optional<RayWalk> way;  ///< of every ray
+    std::vector<ivec3> cells;    ///< of every triangle
     RayCounters cost{.cells = 3, .tests = 2, .references = 4, .rays = 1};
 
     const std::string& name() const override { return name_; }
@@ -42,13 +45,15 @@ class FakeTracer final : public Tracer {
         CastResult result;
         for (const Ray& ray : *static_cast<const std::vector<Ray>*>(batch.resident.get())) {
             result.hits.push_back(answer(ray));
-            result.flags.push_back(0);
+            result.flags.push_back(flag(ray));
             if (options.counters) result.counters.push_back(cost);
         }
         result.wall_ms = cast_ms;
         result.device_ms = std::numeric_limits<double>::quiet_NaN();
         return result;
     }
+    std::optional<RayWalk> walk(const Ray&) override { return way; }
+    std::vector<ivec3> cells_of(uint32_t, uint32_t) override { return cells; }
     UpdateTimes update(std::span<const Affine> world_from_object) override {
         moved.assign(world_from_object.begin(), world_from_object.end());
         return update_times;
@@ -82,6 +87,9 @@ class FakeJudge final : public Judge {
         for (const Hit& answer : answers) verdicts.push_back(verdict_(ray, answer));
         return verdicts;
     }
+    RayTruth explain(const Ray&, std::span<const Hit>) const override { return truth; }
+
+    RayTruth truth;  ///< about every ray
 
   private:
     std::function<Verdict(const Ray&, const Hit&)> verdict_;

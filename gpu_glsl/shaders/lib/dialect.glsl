@@ -31,6 +31,13 @@
 #define UBUFFER(name) uniform usamplerBuffer name;
 #define FETCHBUFFER(name, index) texelFetch(name, index)
 
+// What a walk did, for who wants to read it: the twin writes it down, a GPU does not. An inst_id of
+// kNoId stands for the top level; a cell counts from its grid's lower corner; NOTE_HIT says that
+// a hit of a triangle noted before was accepted.
+#define NOTE_CELL(inst_id, cell)
+#define NOTE_TEST(inst_id, prim_id)
+#define NOTE_HIT(hit)
+
 // A result that the driver may neither contract nor reorder. GLSL has the word from 4.0 on.
 #if __VERSION__ >= 400
 #define PRECISE precise

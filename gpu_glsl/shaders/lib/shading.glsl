@@ -110,18 +110,23 @@ bool next_ray(INOUT(Path) path, Hit hit, INOUT(Ray) ray) {
         path.direct += path.contribution;
     }
 
-    // The next shadow ray: to the next light that can contribute.
-    for (++path.light; path.light < light_count; ++path.light) {
-        Light source = fetch_light(path.light);
-        path.contribution = phong(path.point, source);
-        vec3 c = path.contribution;
-        if (c.x == 0.0 && c.y == 0.0 && c.z == 0.0) continue;
-        if (shadows) {
-            ray = Ray(path.point.origin, 0.0, source.position - path.point.origin,
-                      path_tmax(path.light));
-            return true;
+    // The next shadow ray: to the next light that can contribute. The loop counts in a variable of
+    // its own: counting in path.light, one driver (NVIDIA 580) asks no light but the first.
+    int light = path.light + 1;
+    while (light < light_count) {
+        Light source = fetch_light(light);
+        vec3 c = phong(path.point, source);
+        if (c.x != 0.0 || c.y != 0.0 || c.z != 0.0) {
+            if (shadows) {
+                path.contribution = c;
+                path.light = light;
+                ray = Ray(path.point.origin, 0.0, source.position - path.point.origin,
+                          path_tmax(light));
+                return true;
+            }
+            path.direct += c;
         }
-        path.direct += path.contribution;
+        ++light;
     }
 
     // All lights asked: the mirror's share goes on, the rest stays here.

@@ -41,10 +41,12 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Con
     bool done = false;
     for (int steps = step_budget(grid); steps > 0; --steps) {
         count_cell();
+        NOTE_CELL(inst_id, walk.cell);
         CellList list = fetch_cell(grid, walk.cell);
         int k = 0;
         for (; k < list.count; ++k) {
             uint prim_id = fetch_triangle_reference(list.first + k);
+            NOTE_TEST(inst_id, prim_id);
             Crossing crossing;
             if (may_cross(fetch_triangle(grid, prim_id), shear, crossing)) {
                 enter(contest, Rival(inst_id, prim_id), course.start, crossing, ray);
@@ -81,6 +83,7 @@ void walk_scene(Ray ray, INOUT(Contest) contest) {
     bool done = false;
     for (int steps = step_budget(grid); steps > 0; --steps) {
         count_cell();
+        NOTE_CELL(kNoId, walk.cell);
         CellList list = fetch_top_cell(grid, walk.cell);
         Span span = span_in_cell(grid, course, walk.cell);
         // The two levels start their t at different places: give the difference its rounding.

@@ -45,6 +45,7 @@ Hit closest_hit(Ray ray) {
     Walk walk = begin_walk(grid, ray.org, ray.dir, ray.tmin, ray.tmax);
     if (missed(walk, grid)) return hit;
 
+    NOTE_CELL(kNoId, cell_number(walk, grid));
     CellList list = list_of_cell(walk);
     bool done = false;
     for (int steps = 0; steps < grid.step_budget; ++steps) {
@@ -57,6 +58,7 @@ Hit closest_hit(Ray ray) {
         } else {
             done = hit.t <= walk.t_end || !next_voxel(grid, walk);
             if (done) break;
+            NOTE_CELL(kNoId, cell_number(walk, grid));
             list = list_of_cell(walk);
         }
     }

@@ -65,6 +65,7 @@ float claimed_plane_along(vec4 plane, vec3 v) {
 void intersect_triangle(ADDRESS triangle, vec3 org, vec3 dir, float t_start, float t_end,
                         uint inst_id, int first_triangle, INOUT(Hit) hit) {
     count_test();
+    NOTE_TEST(inst_id, fetch_prim_id(triangle, first_triangle));
     vec4 plane = fetch_plane(triangle, 0);
     vec3 from = plane_origin(triangle, org);
     float t = -claimed_plane_at(plane, from) / claimed_plane_along(plane, dir);
@@ -87,9 +88,11 @@ void intersect_triangle(ADDRESS triangle, vec3 org, vec3 dir, float t_start, flo
         if (!(lb >= -slack_v)) return;
         if (!(la + lb <= la_lb_bound)) return;
         hit = Hit(t, la, lb, fetch_prim_id(triangle, first_triangle), inst_id);
+        NOTE_HIT(hit);
     } else if (t >= t_start && t <= t_end && t < hit.t && la >= -slack_u && lb >= -slack_v &&
                la + lb <= la_lb_bound) {
         hit = Hit(t, la, lb, fetch_prim_id(triangle, first_triangle), inst_id);
+        NOTE_HIT(hit);
     }
 }
 
@@ -113,6 +116,7 @@ Hit closest_hit(Ray ray) {
     Walk walk = begin_walk(grid, ray.org, ray.dir, ray.tmin, ray.tmax);
     if (missed(walk, grid)) return hit;
 
+    NOTE_CELL(kNoId, cell_number(walk, grid));
     CellList list = list_of_cell(walk);
     bool done = false;
     for (int steps = 0; steps < grid.step_budget; ++steps) {
@@ -124,6 +128,7 @@ Hit closest_hit(Ray ray) {
         }
         done = hit.t <= walk.t_end || !next_voxel(grid, walk);
         if (done) break;
+        NOTE_CELL(kNoId, cell_number(walk, grid));
         list = list_of_cell(walk);
     }
     if (!done) ray_flags |= kFlagExhausted;

@@ -262,6 +262,35 @@ TEST(CompareHits, judges_a_sample_of_the_agreements) {
               record.classes[static_cast<size_t>(HitClass::wrong_surface)].worst->index);
 }
 
+TEST(CompareHits, judges_a_ray_once_for_all_tracers_and_the_oracle_with_them) {
+    const auto rays = numbered_rays(3);
+    const CastResult oracle = cast_of(std::vector<Hit>(3, hit_at(1.0f, 1)));
+    CastResult one = oracle;
+    one.hits[0] = hit_at(1.0f, 7);
+    CastResult other = oracle;
+    other.hits[2] = Hit{};
+    std::vector<float> judged;
+    const FakeJudge judge([&](const Ray& ray, const Hit& answer) {
+        judged.push_back(ray.org.x);
+        if (!answer.is_hit()) return verdict_of(HitClass::false_miss);
+        // On ray 2 it is the oracle that is wrong, and who agrees with it.
+        if (answer.prim_id == 7 || ray.org.x == 2.0f) return verdict_of(HitClass::wrong_surface);
+        return verdict_of(HitClass::agree);
+    });
+    const std::vector<CastResult> answers = {one, other, oracle};
+    const auto rows = compare_hits(rays, Query::closest, answers, oracle, judge, without_sample());
+    ASSERT_EQ(rows.size(), 3u);
+    EXPECT_EQ(judged.size(), 8u) << "two rays, each with three answers and the oracle's";
+    EXPECT_EQ(count(rows[0].record, HitClass::wrong_surface), 2u);
+    EXPECT_EQ(count(rows[1].record, HitClass::false_miss), 1u);
+    EXPECT_EQ(count(rows[1].record, HitClass::wrong_surface), 0u);
+    EXPECT_EQ(count(rows[2].record, HitClass::wrong_surface), 1u) << "the oracle's own row";
+    for (const HitComparison& row : rows) {
+        EXPECT_EQ(row.record.judged, 2u);
+        EXPECT_EQ(row.record.oracle_classes[static_cast<size_t>(HitClass::wrong_surface)], 1u);
+    }
+}
+
 TEST(CompareHits, accepts_an_empty_ray_set) {
     const CheckRecord record =
         compare_hits({}, Query::closest, cast_of({}), cast_of({}), unwanted_judge()).record;

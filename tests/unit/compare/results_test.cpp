@@ -77,6 +77,7 @@ Results full_results() {
     check.oracle_invalid = 34;
     check.exhausted = 35;
     check.passed = true;
+    check.reference = true;
     check.picture = "classes.png";
     check.attribution = {true, {{"D11", 36}, {"D10", 37}}, 38};
     results.checks = {check};
@@ -273,7 +274,7 @@ TEST(ResultsJson, holds_every_member_of_every_record) {
     EXPECT_EQ(document["manifest"].size(), 17u);
     EXPECT_EQ(document["scenes"][0].size(), 7u);
     EXPECT_EQ(document["tracers"][0].size(), 11u);
-    EXPECT_EQ(document["checks"][0].size(), 18u);
+    EXPECT_EQ(document["checks"][0].size(), 19u);
     EXPECT_EQ(document["checks"][0]["attribution"].size(), 3u);
     EXPECT_EQ(document["frame_timings"][0].size(), 22u);
     EXPECT_EQ(document["claims"][0].size(), 10u);
@@ -346,12 +347,14 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(ResultsJson, reads_files_from_before_there_were_ladders) {
     Results results = full_results();
+    for (CheckRecord& check : results.checks) check.reference = false;
     results.ladders.clear();
     results.tradeoffs.clear();
     nlohmann::ordered_json old = nlohmann::ordered_json::parse(to_json(results));
     old["schema_version"] = 2;
     old.erase("ladders");
     old.erase("tradeoffs");
+    for (auto& check : old["checks"]) check.erase("reference");
     EXPECT_EQ(to_json(results_from_json(old.dump(), "run.json")), to_json(results));
 }
 

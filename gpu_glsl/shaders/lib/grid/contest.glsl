@@ -102,6 +102,7 @@ void settle(Contest contest, Ray ray, INOUT(Winner) winner) {
         // Rivals come in their order, in later rounds as well: an equal t is too late.
         if (is_hit && is_less(sharp.t, winner.t)) {
             winner = Winner(Hit(sharp.t.hi, sharp.u, sharp.v, rival.prim_id, rival.inst_id), sharp.t);
+            NOTE_HIT(winner.hit);
         }
     }
 }

@@ -27,6 +27,7 @@ void intersect_instance(ADDRESS address, Ray ray, float t_start, float t_stop, I
 
     bool done = false;
     for (int steps = 0; steps < grid.step_budget; ++steps) {
+        NOTE_CELL(instance.inst_id, cell_number(walk, grid));
         CellList list = list_of_cell(walk);
         float t_first = clip_to_cell == 1 ? walk.t_start : t_start;
         float t_last = clip_to_cell == 1 ? walk.t_end : t_stop;

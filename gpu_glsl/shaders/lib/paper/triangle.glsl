@@ -9,6 +9,7 @@
 void intersect_triangle(ADDRESS triangle, vec3 org, vec3 dir, float t_start, float t_end,
                         uint inst_id, int first_triangle, INOUT(Hit) hit) {
     count_test();
+    NOTE_TEST(inst_id, fetch_prim_id(triangle, first_triangle));
     vec4 plane = fetch_plane(triangle, 0);
     vec4 side_u = fetch_plane(triangle, 1);
     vec4 side_v = fetch_plane(triangle, 2);
@@ -22,5 +23,6 @@ void intersect_triangle(ADDRESS triangle, vec3 org, vec3 dir, float t_start, flo
     if (t >= t_start && t <= t_end && t < hit.t && la >= -slack_u && lb >= -slack_v &&
         la + lb <= edge_tolerance + (slack_u + slack_v)) {
         hit = Hit(t, la, lb, fetch_prim_id(triangle, first_triangle), inst_id);
+        NOTE_HIT(hit);
     }
 }

@@ -44,6 +44,9 @@ bool in_grid(Walk walk, Grid grid) {
            centre.x < grid.upper.x && centre.y < grid.upper.y && centre.z < grid.upper.z;
 }
 
+// The current cell, counted from the grid's lower corner.
+vec3 cell_number(Walk walk, Grid grid) { return (walk.voxel - grid.lower) / cell_size(); }
+
 // Takes the part of the ray in [t_start, t_stop] to the cell where it enters the grid. A ray that
 // misses the grid comes back with t_start > t_exit.
 Walk begin_walk(Grid grid, vec3 org, vec3 dir, float t_start, float t_stop) {

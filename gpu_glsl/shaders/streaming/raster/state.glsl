@@ -14,9 +14,6 @@
 
 uniform usampler2D control_copy;
 
-TEXTURE2D(ray_origins)     // of given rays: org, tmin
-TEXTURE2D(ray_directions)  // dir, tmax
-
 // What other kernels own.
 TEXTURE2D(walk4_0)
 TEXTURE2D(walk4_1)
@@ -24,10 +21,6 @@ TEXTURE2D(walk5_0)
 TEXTURE2D(walk5_1)
 TEXTURE2D(hit0_0)
 TEXTURE2D(hit0_1)
-TEXTURE2D(path0_0)
-TEXTURE2D(path0_1)
-TEXTURE2D(path1_0)
-TEXTURE2D(path1_1)
 uniform usampler2D hit_ids_0;
 uniform usampler2D hit_ids_1;
 uniform int first_row;  // of the image, in the textures' row 0
@@ -47,17 +40,6 @@ void close_state(bool has_ray, uint turn) {}
 ivec2 pixel_of_ray() { return HERE + ivec2(0, first_row); }
 
 uint load_control() { return FETCH2D(control_copy, HERE).x; }
-
-Ray load_ray(uint control) {
-    if (casting) {
-        vec4 origin = FETCH2D(ray_origins, HERE);
-        vec4 direction = FETCH2D(ray_directions, HERE);
-        return Ray(origin.xyz, origin.w, direction.xyz, direction.w);
-    }
-    vec4 origin = newest(control, kPathSide, path0_0, path0_1);
-    vec4 direction = newest(control, kPathSide, path1_0, path1_1);
-    return Ray(origin.xyz, 0.0, direction.xyz, path_tmax(light_of(control)));
-}
 
 vec4 load_walk_e(uint control) { return newest(control, kWalkSide, walk4_0, walk4_1); }
 vec4 load_walk_f(uint control) { return newest(control, kWalkSide, walk5_0, walk5_1); }

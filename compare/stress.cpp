@@ -1,0 +1,244 @@
+#include "compare/stress.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "compare/experiments.h"
+#include "compare/hits.h"
+#include "compare/rays.h"
+#include "core/error.h"
+
+namespace onepass {
+namespace {
+
+constexpr char kExhausted[] = "exhausted";
+
+/// One contestant on one rung.
+struct Climber {
+    RungRecord record;
+    CastResult answers;  ///< empty after a refusal
+};
+
+// ---- Casting
+
+/// The contestant's parameters, and those of the rung that its tracer has.
+ParamValues params_on(const Rung& rung, const Contestant& contestant) {
+    ParamValues params = contestant.params;
+    for (const ParamInfo& info : contestant.entry->info.params) {
+        const auto given = rung.params.find(info.name);
+        if (given != rung.params.end()) params[info.name] = given->second;
+    }
+    return params;
+}
+
+bool takes_part(const Rung& rung, const Contestant& contestant) {
+    const std::vector<ParamInfo>& infos = contestant.entry->info.params;
+    return rung.params.empty() || std::any_of(infos.begin(), infos.end(), [&](const auto& info) {
+               return rung.params.contains(info.name);
+           });
+}
+
+std::string gist(const Error& error) {
+    const Error::Parts& parts = error.parts();
+    return fmt::format("{}: {}", parts.where, parts.got);
+}
+
+Climber cast_rung(const Rung& rung, const Contestant& contestant, const ScenePtr& scene,
+                  const RaySet& rays) {
+    Climber climber;
+    RungRecord& record = climber.record;
+    record.knob = rung.knob;
+    record.label = rung.label;
+    record.tracer = contestant.entry->info.name;
+    record.setting = params_text(contestant.params);
+    try {
+        const auto tracer = contestant.entry->make(scene, params_on(rung, contestant));
+        climber.answers = tracer->cast(tracer->upload(rays.rays), {.query = rays.query});
+    } catch (const Error& error) {
+        record.refusal = gist(error);
+        return climber;
+    }
+    ONEPASS_CHECK_EQ(climber.answers.hits.size(), rays.rays.size());
+    ONEPASS_CHECK_EQ(climber.answers.flags.size(), rays.rays.size());
+    return climber;
+}
+
+RaySet rays_of(const Rung& rung, const ScenePtr& scene, const StressSetup& setup) {
+    RaySet set;
+    if (rung.ray_kind.empty()) {
+        set.rays = rung.make_rays(*scene, setup.rays, setup.seed);
+    } else {
+        const auto oracle = setup.make_oracle(scene);
+        const RayRequest request{
+            .width = static_cast<uint32_t>(setup.rays), .height = 1, .seed = setup.seed};
+        set = make_ray_set(rung.ray_kind, *scene, *oracle, request);
+    }
+    if (set.rays.empty()) {
+        throw Error({fmt::format("scene '{}'", scene->name), "no ray", "at least one",
+                     "Ask for more rays, or mend the ladder."});
+    }
+    return set;
+}
+
+// ---- Judging
+
+/// Equal bit by bit, so that a NaN is equal to itself.
+bool same_answer(const Hit& a, const Hit& b) {
+    return std::bit_cast<std::array<uint32_t, 5>>(a) == std::bit_cast<std::array<uint32_t, 5>>(b);
+}
+
+/// One verdict a climber that answered; equal answers are judged once.
+std::vector<Verdict> judge_ray(const Judge& judge, const Ray& ray, Query query, size_t index,
+                               const std::vector<Climber>& climbers) {
+    std::vector<Hit> answers;
+    std::vector<size_t> answer_of(climbers.size());
+    for (size_t c = 0; c < climbers.size(); ++c) {
+        if (climbers[c].answers.hits.empty()) continue;
+        const Hit& hit = climbers[c].answers.hits[index];
+        const auto known = std::find_if(answers.begin(), answers.end(),
+                                        [&](const Hit& a) { return same_answer(a, hit); });
+        answer_of[c] = static_cast<size_t>(known - answers.begin());
+        if (known == answers.end()) answers.push_back(hit);
+    }
+    const std::vector<Verdict> distinct = judge.judge(ray, query, answers);
+    ONEPASS_CHECK_EQ(distinct.size(), answers.size());
+    std::vector<Verdict> verdicts(climbers.size());
+    for (size_t c = 0; c < climbers.size(); ++c) {
+        if (!climbers[c].answers.hits.empty()) verdicts[c] = distinct[answer_of[c]];
+    }
+    return verdicts;
+}
+
+Hit true_hit(const Verdict& verdict) {
+    return {.t = static_cast<float>(verdict.true_t),
+            .prim_id = verdict.true_prim_id,
+            .inst_id = verdict.true_inst_id};
+}
+
+void add_failure(RungRecord& record, std::string_view kind) {
+    for (FailureCount& failure : record.failures) {
+        if (failure.kind != kind) continue;
+        ++failure.count;
+        return;
+    }
+    record.failures.push_back({std::string(kind), 1});
+}
+
+/// Counts one answer. `index` and `ray` are kept if it is the worst failure so far.
+void tally(Climber& climber, size_t index, const Ray& ray, const Verdict& verdict) {
+    RungRecord& record = climber.record;
+    ++record.trials;
+    record.ties += verdict.hit_class == HitClass::tie;
+    record.edges += verdict.hit_class == HitClass::edge;
+    const bool exhausted = (climber.answers.flags[index] & kFlagExhausted) != 0;
+    if (!exhausted && !is_error(verdict.hit_class)) return;
+    add_failure(record, exhausted ? kExhausted : to_string(verdict.hit_class));
+    if (!record.worst || is_worse(verdict, record.worst->verdict)) {
+        record.worst =
+            WorstRay{index, ray, climber.answers.hits[index], true_hit(verdict), verdict};
+    }
+}
+
+void judge_rung(const Judge& judge, const RaySet& rays, std::vector<Climber>& climbers) {
+    const bool anybody = std::any_of(climbers.begin(), climbers.end(), [](const Climber& climber) {
+        return climber.record.refusal.empty();
+    });
+    if (!anybody) return;
+
+    // Judge, in parallel.
+    std::vector<std::vector<Verdict>> verdicts(rays.rays.size());
+    tbb::parallel_for(size_t{0}, rays.rays.size(), [&](size_t i) {
+        verdicts[i] = judge_ray(judge, rays.rays[i], rays.query, i, climbers);
+    });
+
+    // Tally, in the order of the rays.
+    for (size_t c = 0; c < climbers.size(); ++c) {
+        Climber& climber = climbers[c];
+        if (!climber.record.refusal.empty()) continue;
+        size_t not_taken = 0;
+        for (size_t i = 0; i < rays.rays.size(); ++i) {
+            if (climber.answers.flags[i] & kFlagOracleInvalid) {
+                ++not_taken;
+            } else {
+                tally(climber, i, rays.rays[i], verdicts[i][c]);
+            }
+        }
+        if (not_taken > 0) {
+            climber.record.refusal =
+                fmt::format("takes {} of {} rays", climber.record.trials, rays.rays.size());
+        }
+    }
+}
+
+bool on_same_rung(const RungRecord& a, const RungRecord& b) {
+    return a.knob == b.knob && a.label == b.label;
+}
+
+}  // namespace
+
+LadderRecord climb(const Ladder& ladder, const StressSetup& setup, const Progress& progress) {
+    LadderRecord record{.id = ladder.id,
+                        .title = ladder.title,
+                        .question = ladder.question,
+                        .knob = ladder.knob,
+                        .unit = ladder.unit,
+                        .log_axis = ladder.log_axis,
+                        .judge = {},
+                        .command = {},
+                        .rungs = {}};
+    // A rung's judging counts as one more cast.
+    const double steps = static_cast<double>(ladder.rungs.size() * (setup.contestants.size() + 1));
+    double done = 0.0;
+    for (const Rung& rung : ladder.rungs) {
+        // Set up.
+        if (!go_on(progress, done / steps)) return record;
+        const auto scene = std::make_shared<const Scene>(rung.make_scene());
+        const RaySet rays = rays_of(rung, scene, setup);
+
+        // Cast.
+        std::vector<Climber> climbers;
+        for (const Contestant& contestant : setup.contestants) {
+            if (takes_part(rung, contestant)) {
+                climbers.push_back(cast_rung(rung, contestant, scene, rays));
+            }
+            done += 1.0;
+            if (!go_on(progress, done / steps)) return record;
+        }
+
+        // Judge.
+        const std::unique_ptr<Judge> judge = setup.make_judge(scene);
+        record.judge = judge->name();
+        judge_rung(*judge, rays, climbers);
+        for (Climber& climber : climbers) record.rungs.push_back(std::move(climber.record));
+        done += 1.0;
+    }
+    go_on(progress, 1.0);
+    return record;
+}
+
+StressExperiment ladder_experiment(const Ladder& ladder) {
+    return {ladder.id, ladder.title, [ladder](const StressSetup& setup, const Progress& progress) {
+                return climb(ladder, setup, progress);
+            }};
+}
+
+std::vector<const RungRecord*> outlasting(const LadderRecord& ladder, const std::string& tracer,
+                                          const std::string& setting) {
+    std::vector<const RungRecord*> others;
+    const RungRecord* broken = breaks_at(ladder, tracer, setting);
+    if (broken == nullptr) return others;
+    for (const RungRecord& rung : ladder.rungs) {
+        if (!on_same_rung(rung, *broken) || rung.trials == 0) continue;
+        const RungRecord* end = breaks_at(ladder, rung.tracer, rung.setting);
+        if (end == nullptr || end > &rung) others.push_back(&rung);  // records are in rung order
+    }
+    return others;
+}
+
+}  // namespace onepass
