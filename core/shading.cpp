@@ -1,12 +1,17 @@
 #include "core/shading.h"
 
+#include <algorithm>
+
 #include "core/error.h"
 
 namespace onepass {
 
 float secondary_offset(const Bounds& scene_bounds) {
-    constexpr float kRelativeOffset = 1.0f / 65536.0f;
-    return scene_bounds.magnitude() * kRelativeOffset;
+    constexpr float kShareOfExtent = 0x1p-17f;
+    constexpr float kShareOfCoordinates = 0x1p-20f;
+    const vec3 extent = scene_bounds.extent();
+    return std::max({extent.x, extent.y, extent.z}) * kShareOfExtent +
+           scene_bounds.magnitude() * kShareOfCoordinates;
 }
 
 ShadingScene::ShadingScene(const Scene& s) : scene(&s) {

@@ -31,10 +31,11 @@ struct ShadingScene {
 
 /// The distance by which a secondary ray's origin leaves its surface, along the normal.
 ///
-/// 2^-16 of the largest absolute coordinate of the scene's box: float positions on a surface err by
-/// a few 2^-23 of that coordinate, so this clears them by a factor of about 30 and stays far below
-/// anything visible. It is absolute in the scene, so it scales with the scene; it does not know how
-/// far a camera outside the box is.
+/// 2^-17 of the scene's largest extent, which stays far below anything visible, plus 2^-20 of its
+/// largest absolute coordinate: eight ulps, where a position on a surface and the origin moved off
+/// it err by two together. So it scales with the scene, and far from the world's origin it grows
+/// only as float positions force it to. It does not know how far a camera is from the scene: beyond
+/// some 100 extents the rounding of org + dir * t is larger.
 float secondary_offset(const Bounds& scene_bounds);
 
 /// What shading needs to know of a hit.

@@ -346,8 +346,8 @@ TopLevelMove plan_move(const PreparedStrategy& prepared,
     }
     const uint64_t built_before = triangle_grids_built();
     const auto* textures = std::get_if<MovingTopLevel>(&prepared.moving);
-    TopLevelMove move =
-        textures != nullptr ? textures->plan(world_from_object)
+    TopLevelMove move = textures != nullptr
+                            ? textures->plan(world_from_object)
                             : std::get<MovingTopBuffers>(prepared.moving).plan(world_from_object);
     const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
     move.counts = {{"object_builds", object_builds, ""}, {"top_builds", 1.0, ""}};

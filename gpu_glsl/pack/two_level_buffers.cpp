@@ -129,21 +129,21 @@ TextureData pack_vertices(const Scene& scene, const TwoLevelGrid& grid,
         const Object& object = scene.objects[k];
         const GridFrame frame = object_frame(grid.objects[k]);
         float* const out = &vertices.texels[4 * kTriangleVertexTexels * first_triangle[k]];
-        tbb::parallel_for(
-            tbb::blocked_range<size_t>(0, object.triangles.size(), 1 << 12),
-            [&](const auto& range) {
-                for (size_t i = range.begin(); i != range.end(); ++i) {
-                    const uvec3& corners = object.triangles[i];
-                    std::array<dvec3, kTriangleVertexTexels> points = {
-                        object.positions[corners.x], object.positions[corners.y],
-                        object.positions[corners.z]};
-                    if (has_no_area(points[0], points[1], points[2])) points.fill(points[0]);
-                    for (size_t v = 0; v < points.size(); ++v) {
-                        put(out + 4 * (kTriangleVertexTexels * i + v),
-                            (points[v] - frame.origin) * frame.scale);
-                    }
-                }
-            });
+        tbb::parallel_for(tbb::blocked_range<size_t>(0, object.triangles.size(), 1 << 12),
+                          [&](const auto& range) {
+                              for (size_t i = range.begin(); i != range.end(); ++i) {
+                                  const uvec3& corners = object.triangles[i];
+                                  std::array<dvec3, kTriangleVertexTexels> points = {
+                                      object.positions[corners.x], object.positions[corners.y],
+                                      object.positions[corners.z]};
+                                  if (has_no_area(points[0], points[1], points[2]))
+                                      points.fill(points[0]);
+                                  for (size_t v = 0; v < points.size(); ++v) {
+                                      put(out + 4 * (kTriangleVertexTexels * i + v),
+                                          (points[v] - frame.origin) * frame.scale);
+                                  }
+                              }
+                          });
     }
     return vertices;
 }

@@ -1,12 +1,15 @@
 // The robust strategy: bit-identical to its twin, and without one wrong hit where others err.
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "core/error.h"
+#include "core/shading.h"
 #include "cpu_ref/embree_tracer.h"
 #include "cpu_ref/exact_judge.h"
 #include "gpu_glsl/prepared_strategy.h"
@@ -51,7 +54,8 @@ std::vector<Ray> rays_of_kind(const std::string& kind, const Scene& scene, uint3
 
 std::string describe(const Ray& ray, const Hit& hit, const Verdict& verdict) {
     return fmt::format(
-        "{}: org ({:a}, {:a}, {:a}) dir ({:a}, {:a}, {:a}) t [{:a}, {:a}]; answered t {:.9g} prim {} "
+        "{}: org ({:a}, {:a}, {:a}) dir ({:a}, {:a}, {:a}) t [{:a}, {:a}]; answered t {:.9g} prim "
+        "{} "
         "inst {}, truly t {:.17g} prim {} inst {}; t off by {} ulps",
         to_string(verdict.hit_class), ray.org.x, ray.org.y, ray.org.z, ray.dir.x, ray.dir.y,
         ray.dir.z, ray.tmin, ray.tmax, hit.t, hit.prim_id, hit.inst_id, verdict.true_t,
@@ -126,6 +130,252 @@ TEST_F(GridStrategy, a_scene_far_from_the_origin_is_as_right_as_one_around_it) {
                 expect_no_error(*make("grid/buffer/twin32", scene), scene, rays,
                                 std::to_string(distance) + " sizes away, " + kind);
             }
+        }
+    }
+}
+
+TEST_F(GridStrategy, a_scene_of_any_size_is_as_right_as_one_of_size_1) {
+    for (const float scale : {1e-17f, 1e-9f, 1e9f, 1e17f}) {
+        const ScenePtr scene = ball_at(scale * vec3(1.0f, -0.3f, 0.7f), scale);
+        for (const char* kind : {"vertex", "random"}) {
+            expect_no_error(*make("grid/buffer/twin32", scene), scene,
+                            rays_of_kind(kind, *scene, 32),
+                            fmt::format("size {}, {}", scale, kind));
+        }
+    }
+}
+
+/// The ball as a needle or a pancake, small beside the first, sheared, mirrored, nearly flat.
+ScenePtr squeezed_balls() {
+    Scene scene = *ball_at(vec3(0.0f), 1.0f);
+    const auto add = [&](vec3 x, vec3 y, vec3 z, vec3 place) {
+        scene.instances.push_back({.name = fmt::format("ball {}", scene.instances.size()),
+                                   .object = 0,
+                                   .world_from_object = Affine(x, y, z, place),
+                                   .materials = {0}});
+    };
+    add({1e3f, 0, 0}, {0, 1e-3f, 0}, {0, 0, 1}, {0, 3, 0});
+    add({1, 0, 0}, {0, 1e-6f, 0}, {0, 0, 1}, {0, -3, 0});
+    add({1e-4f, 0, 0}, {0, 1e-4f, 0}, {0, 0, 1e-4f}, {1.5f, 0, 0});
+    add({1, 0, 0}, {3, 1, 0}, {-2, 5, 1}, {-20, 0, 0});
+    add({-1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {20, 0, 0});
+    add({1, 2, 3}, {2, 4.0001f, 6}, {3, 5, 7.5f}, {50, 0, 9});
+    validate(scene);
+    return share(std::move(scene));
+}
+
+TEST_F(GridStrategy, instances_of_extreme_shape_and_size_are_hit_rightly) {
+    const ScenePtr scene = squeezed_balls();
+    // From all around each instance, at corners of its triangles.
+    std::vector<Ray> rays;
+    const Object& ball = scene->objects.front();
+    for (const Instance& instance : scene->instances) {
+        for (size_t i = 0; i < ball.positions.size(); i += 5) {
+            const vec3 target = transform_point(instance.world_from_object, ball.positions[i]);
+            const vec3 from = transform_point(
+                instance.world_from_object, 3.0f * ball.positions[(i * 7) % ball.positions.size()]);
+            rays.push_back({from, 0.0f, target - from, kInfinity});
+            rays.push_back({target + 50.0f * (target - from), 0.0f, from - target, kInfinity});
+        }
+    }
+    expect_no_error(*make("grid/buffer/twin32", scene), scene, rays, "squeezed balls");
+}
+
+TEST_F(GridStrategy, the_finest_grid_loses_nothing_along_its_planes_and_through_its_corners) {
+    // A lattice of 64 x 64 x 2 cells with a bump a cell, whose grid's planes are the lattice's;
+    // rays in these planes, along cells' edges and diagonals, and through their corners.
+    constexpr int kSide = 64;
+    Scene scene = *ball_at(vec3(0.0f), 1.0f);
+    Object& lattice = scene.objects.front();
+    lattice = Object{.name = "lattice"};
+    for (int y = 0; y <= kSide; ++y) {
+        for (int x = 0; x <= kSide; ++x) {
+            lattice.positions.push_back(vec3(x, y, (x * 7 + y * 3) % 5 / 4.0f));
+        }
+    }
+    for (uint32_t y = 0; y < kSide; ++y) {
+        for (uint32_t x = 0; x < kSide; ++x) {
+            const uint32_t i = x + (kSide + 1) * y;
+            lattice.triangles.push_back({i, i + 1, i + kSide + 2});
+            lattice.triangles.push_back({i, i + kSide + 2, i + kSide + 1});
+        }
+    }
+    lattice.groups = {{.first_triangle = 0, .name = "all"}};
+    validate(scene);
+    const ScenePtr shared = share(scene);
+
+    std::vector<Ray> rays;
+    for (int i = 0; i <= 2 * kSide; ++i) {
+        const float at = 0.5f * static_cast<float>(i);
+        const vec3 corner(at, std::fmod(at * 5.0f, 64.0f), 2.0f);
+        for (const vec3& dir : {vec3(0, 0, -1), vec3(1, 1, -1), vec3(-1, 0, -0.25f),
+                                vec3(1, 0, -1e-3f), vec3(-1, -1, -1e-30f), vec3(1, 3, -2)}) {
+            rays.push_back({corner, 0.0f, dir, kInfinity});
+            rays.push_back({corner - 37.0f * dir, 0.0f, dir, kInfinity});
+        }
+        rays.push_back({vec3(-1, at, 0.5f), 0.0f, vec3(1, 0, 0), kInfinity});
+        rays.push_back({vec3(at, 65, 0.25f), 0.0f, vec3(0, -1, 0), kInfinity});
+    }
+    for (const char* resolution : {"64x64x4", "1024x1x1", "1x1024x7", "1024x1024x1"}) {
+        expect_no_error(*make("grid/buffer/twin32", shared, {{"resolution", resolution}}), shared,
+                        rays, resolution);
+    }
+}
+
+TEST_F(GridStrategy, neither_the_order_of_triangles_nor_that_of_instances_shows_in_a_hit) {
+    // The palace's walls, stairs and floor touch each other; and every triangle is there twice.
+    Scene scene = make_palace();
+    for (Object& object : scene.objects) {
+        const std::vector<uvec3> once = object.triangles;
+        object.triangles.insert(object.triangles.end(), once.begin(), once.end());
+    }
+    validate(scene);
+    Scene reversed = scene;
+    std::reverse(reversed.instances.begin(), reversed.instances.end());
+
+    const auto rays = rays_of_kind("vertex", scene, 48);
+    const CastResult forwards = cast(*make("grid/buffer/twin32", share(scene)), rays);
+    const CastResult backwards = cast(*make("grid/buffer/twin32", share(reversed)), rays);
+    size_t ties = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const Hit& a = forwards.hits[i];
+        const Hit& b = backwards.hits[i];
+        ASSERT_EQ(a.t, b.t) << i;
+        if (!a.is_hit()) continue;
+        // Of two coincident triangles the one of lower number.
+        const Object& object = scene.objects[scene.instances[a.inst_id].object];
+        EXPECT_LT(a.prim_id, object.triangles.size() / 2) << i;
+        if (a.inst_id == scene.instances.size() - 1 - b.inst_id && a.prim_id == b.prim_id) continue;
+        ++ties;
+    }
+    EXPECT_LT(ties, rays.size() / 4) << "other triangles at the same t";
+}
+
+TEST_F(GridStrategy, a_triangle_without_area_is_never_hit) {
+    Scene scene = *ball_at(vec3(0.0f), 1.0f);
+    Object& object = scene.objects.front();
+    object.positions = {{1, 2, 3}, {4, 6, 9}, {2.5f, 4, 6}, {0.1f, 0.7f, 0.3f}, {9, 9, 9}};
+    object.triangles = {{0, 1, 2}, {1, 2, 0}, {3, 3, 4}, {0, 3, 4}};
+    object.groups = {{.first_triangle = 0, .name = "all"}};
+    validate(scene);
+    const ScenePtr shared = share(scene);
+    std::vector<Ray> rays;
+    for (const float s : {0.0f, 0.125f, 0.3f, 0.5f, 0.77f, 1.0f}) {
+        const vec3 target = object.positions[0] + s * (object.positions[1] - object.positions[0]);
+        for (const vec3& dir : {vec3(1, 0, 0), vec3(0.3f, -0.2f, 0.9f), vec3(-5, 7, 1)}) {
+            rays.push_back({target - dir, 0.0f, dir, kInfinity});
+        }
+    }
+    for (const Hit& hit : cast(*make("grid/buffer/twin32", shared), rays).hits) {
+        EXPECT_TRUE(!hit.is_hit() || hit.prim_id == 3) << describe(hit);
+    }
+}
+
+TEST_F(GridStrategy, a_hit_at_the_very_end_of_the_interval_is_decided_exactly) {
+    const ScenePtr scene = ball_at(vec3(5.0f, 3.0f, -2.0f), 1.0f);
+    const auto tracer = make("grid/buffer/twin32", scene);
+    std::vector<Ray> rays = random_rays(scene_bounds(*scene), 2000, 21);
+    const std::vector<Hit> hits = cast(*tracer, rays).hits;
+    // The interval ends at the answered t, one float before and one float behind it.
+    std::vector<Ray> cut;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        if (!hits[i].is_hit()) continue;
+        for (const float t :
+             {hits[i].t, std::nextafter(hits[i].t, 0.0f), std::nextafter(hits[i].t, kInfinity)}) {
+            cut.push_back({rays[i].org, 0.0f, rays[i].dir, t});
+            cut.push_back({rays[i].org, t, rays[i].dir, kInfinity});
+        }
+    }
+    expect_no_error(*tracer, scene, cut, "cut rays");
+}
+
+TEST_F(GridStrategy, a_ray_that_is_none_is_a_miss_and_visits_no_cell) {
+    const ScenePtr scene = share(make_instances());
+    const vec3 centre = scene_bounds(*scene).centre();
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    std::vector<Ray> rays = {
+        {centre, 0.0f, vec3(0.0f), kInfinity},         {centre, 0.0f, vec3(-0.0f), kInfinity},
+        {centre, 2.0f, vec3(0, -1, 0), 1.0f},          {centre, -1.0f, vec3(0, -1, 0), 1.0f},
+        {centre, nan, vec3(0, -1, 0), kInfinity},      {centre, 0.0f, vec3(0, -1, 0), nan},
+        {centre, kInfinity, vec3(0, -1, 0), kInfinity}};
+    for (const float bad : {nan, kInfinity, -kInfinity}) {
+        for (int axis = 0; axis < 3; ++axis) {
+            Ray ray{centre, 0.0f, vec3(0, -1, 0), kInfinity};
+            ray.org[axis] = bad;
+            rays.push_back(ray);
+            ray = {centre, 0.0f, vec3(1, 1, 1), kInfinity};
+            ray.dir[axis] = bad;
+            rays.push_back(ray);
+        }
+    }
+    for (const char* entry : {"grid/buffer/twin32", "grid/buffer/twin64", "grid/buffer/fragment",
+                              "grid/buffer/compute"}) {
+        const CastResult result = cast(*make(entry, scene), rays, {.counters = true});
+        for (size_t i = 0; i < rays.size(); ++i) {
+            EXPECT_EQ(result.hits[i], Hit{}) << entry << ", ray " << i;
+            EXPECT_EQ(result.counters[i].cells, 0u) << entry << ", ray " << i;
+            EXPECT_EQ(result.flags[i], 0u) << entry << ", ray " << i;
+        }
+    }
+}
+
+/// True if the point lies on the side of the hit triangle that `normal` points to: its distance is
+/// a determinant of differences, in long double, whose rounding is far below a float's.
+bool is_in_front(const Scene& scene, const Hit& hit, const vec3& point, const vec3& normal) {
+    using Real = long double;
+    const Instance& instance = scene.instances[hit.inst_id];
+    const Object& object = scene.objects[instance.object];
+    Real corners[3][3];
+    for (int k = 0; k < 3; ++k) {
+        const vec3& p = object.positions[object.triangles[hit.prim_id][k]];
+        for (int row = 0; row < 3; ++row) {
+            Real sum = instance.world_from_object[3][row];
+            for (int c = 0; c < 3; ++c) sum += Real(instance.world_from_object[c][row]) * p[c];
+            corners[k][row] = sum;
+        }
+    }
+    Real side = 0.0, same_way = 0.0;
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3;
+        const int k = (i + 2) % 3;
+        const Real cross = (corners[1][j] - corners[0][j]) * (corners[2][k] - corners[0][k]) -
+                           (corners[1][k] - corners[0][k]) * (corners[2][j] - corners[0][j]);
+        side += cross * (Real(point[i]) - corners[0][i]);
+        same_way += cross * normal[i];
+    }
+    return same_way > 0.0 ? side > 0.0 : side < 0.0;
+}
+
+TEST_F(GridStrategy, secondary_rays_start_in_front_of_their_surface_at_any_scale_and_place) {
+    for (const float scale : {1e-6f, 1.0f, 1e6f}) {
+        for (const float distance : {0.0f, 1e2f, 1e5f}) {
+            const ScenePtr scene = ball_at(scale * distance * vec3(1.0f, -0.3f, 0.7f), scale);
+            const ShadingScene shading(*scene);
+            std::vector<Ray> rays = random_rays(scene_bounds(*scene), 1000, 8);
+            const std::vector<Ray> primary = primary_rays(*scene, 32, 32);
+            rays.insert(rays.end(), primary.begin(), primary.end());
+            const auto tracer = make("grid/buffer/twin32", scene);
+            const std::vector<Hit> hits = cast(*tracer, rays).hits;
+            std::vector<Ray> secondary;
+            std::vector<Hit> left;
+            for (size_t i = 0; i < rays.size(); ++i) {
+                if (!hits[i].is_hit()) continue;
+                const SurfacePoint point = surface_point(shading, rays[i], hits[i]);
+                const vec3 n = point.geometric_normal;
+                const vec3 origin = point.position + n * shading.ray_offset;
+                EXPECT_TRUE(is_in_front(*scene, hits[i], origin, n))
+                    << "scale " << scale << ", " << distance << " sizes away, ray " << i;
+                secondary.push_back({origin, 0.0f, glm::reflect(rays[i].dir, n), kInfinity});
+                left.push_back(hits[i]);
+            }
+            const std::vector<Hit> next = cast(*tracer, secondary).hits;
+            for (size_t i = 0; i < next.size(); ++i) {
+                EXPECT_FALSE(next[i].prim_id == left[i].prim_id &&
+                             next[i].inst_id == left[i].inst_id)
+                    << "scale " << scale << ", " << distance << " sizes away";
+            }
+            EXPECT_GT(secondary.size(), 500u);
+            EXPECT_LT(shading.ray_offset, 0.2f * scale) << distance << " sizes away";
         }
     }
 }

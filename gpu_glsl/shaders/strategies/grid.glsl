@@ -49,7 +49,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Con
             NOTE_TEST(inst_id, prim_id);
             Crossing crossing;
             if (may_cross(fetch_triangle(grid, prim_id), shear, crossing)) {
-                enter(contest, inst_id, prim_id, course.start, crossing, ray);
+                enter(contest, Rival(inst_id, prim_id), course.start, crossing, ray);
             }
         }
         if (k < list.count) break;  // the driver ended the loop: `done` stays false
@@ -116,7 +116,7 @@ Hit closest_hit(Ray ray) {
     for (int rounds = kMostRounds; rounds > 0; --rounds) {
         walk_scene(ray, contest);
         settle(contest, ray, winner);
-        done = is_decided(contest);
+        done = !is_somebody(contest.left_out);
         if (done) break;
         reopen(contest, winner.t);
     }

@@ -77,6 +77,10 @@ bool may_cross(Triangle triangle, Shear shear, OUT(Crossing) crossing) {
     PRECISE float w1 = a.x * c.y - a.y * c.x;
     PRECISE float w2 = b.x * a.y - b.y * a.x;
     vec3 size = greater(abs(a), greater(abs(b), abs(c)));
+    // Along an axis and in the triangle's plane: nothing was rounded, and nothing crosses. Rays in
+    // the planes of a lattice would have a doubt about every triangle there.
+    if ((size.x == 0.0 && shear.x == 0.0) || (size.y == 0.0 && shear.y == 0.0)) return false;
+
     float width = greater(size.x, size.y);
     float doubt = 72.0 * half_ulp() * shear.reach * width;
     float least = lesser(w0, lesser(w1, w2));
