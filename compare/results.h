@@ -269,7 +269,8 @@ struct RungRecord {
     uint64_t ties = 0;
     uint64_t edges = 0;
     std::vector<FailureCount> failures{};  ///< kinds that occurred only
-    std::string refusal{};  ///< why the tracer could not take part; else empty, and trials > 0
+    std::string refusal{};  ///< why the tracer could not take part, and trials is 0; or how many of
+                            ///< the rays it took; else empty
     std::optional<WorstRay> worst{};  ///< of the failures{}; absent where no judge looked
 
     uint64_t failed() const;  ///< sum of the failures
