@@ -52,7 +52,7 @@ std::vector<Ray> rays_of_kind(const std::string& kind, const Scene& scene, uint3
     return make_ray_set(kind, scene, *oracle, {.width = side, .height = side, .seed = 5}).rays;
 }
 
-std::string describe(const Ray& ray, const Hit& hit, const Verdict& verdict) {
+std::string judged(const Ray& ray, const Hit& hit, const Verdict& verdict) {
     return fmt::format(
         "{}: org ({:a}, {:a}, {:a}) dir ({:a}, {:a}, {:a}) t [{:a}, {:a}]; answered t {:.9g} prim "
         "{} "
@@ -72,7 +72,7 @@ void expect_no_error(Tracer& tracer, const ScenePtr& scene, const std::vector<Ra
         const Verdict verdict =
             judge->judge(rays[i], Query::closest, std::span(&result.hits[i], 1)).front();
         if (++counts[static_cast<size_t>(verdict.hit_class)] == 1 && is_error(verdict.hit_class)) {
-            ADD_FAILURE() << what << ", first " << describe(rays[i], result.hits[i], verdict);
+            ADD_FAILURE() << what << ", first " << judged(rays[i], result.hits[i], verdict);
         }
         EXPECT_EQ(result.flags[i] & kFlagExhausted, 0u);
     }
@@ -187,7 +187,7 @@ TEST_F(GridStrategy, the_finest_grid_loses_nothing_along_its_planes_and_through_
     constexpr int kSide = 64;
     Scene scene = *ball_at(vec3(0.0f), 1.0f);
     Object& lattice = scene.objects.front();
-    lattice = Object{.name = "lattice"};
+    lattice = Object{};
     for (int y = 0; y <= kSide; ++y) {
         for (int x = 0; x <= kSide; ++x) {
             lattice.positions.push_back(vec3(x, y, (x * 7 + y * 3) % 5 / 4.0f));
@@ -200,7 +200,7 @@ TEST_F(GridStrategy, the_finest_grid_loses_nothing_along_its_planes_and_through_
             lattice.triangles.push_back({i, i + kSide + 2, i + kSide + 1});
         }
     }
-    lattice.groups = {{.first_triangle = 0, .name = "all"}};
+    lattice.groups = {{"all", 0, uint32_t(lattice.triangles.size())}};
     validate(scene);
     const ScenePtr shared = share(scene);
 
@@ -228,6 +228,7 @@ TEST_F(GridStrategy, neither_the_order_of_triangles_nor_that_of_instances_shows_
     for (Object& object : scene.objects) {
         const std::vector<uvec3> once = object.triangles;
         object.triangles.insert(object.triangles.end(), once.begin(), once.end());
+        object.groups = {{"all", 0, uint32_t(object.triangles.size())}};
     }
     validate(scene);
     Scene reversed = scene;
@@ -256,7 +257,8 @@ TEST_F(GridStrategy, a_triangle_without_area_is_never_hit) {
     Object& object = scene.objects.front();
     object.positions = {{1, 2, 3}, {4, 6, 9}, {2.5f, 4, 6}, {0.1f, 0.7f, 0.3f}, {9, 9, 9}};
     object.triangles = {{0, 1, 2}, {1, 2, 0}, {3, 3, 4}, {0, 3, 4}};
-    object.groups = {{.first_triangle = 0, .name = "all"}};
+    object.groups = {{"all", 0, uint32_t(object.triangles.size())}};
+    object.normals.clear();
     validate(scene);
     const ScenePtr shared = share(scene);
     std::vector<Ray> rays;
