@@ -1,6 +1,8 @@
 #include "compare/hits.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -70,8 +72,7 @@ std::vector<Judgement> judged(std::span<const Ray> rays, Query query,
         std::vector<Hit> hits;
         for (const CastResult& cast : answers) hits.push_back(cast.hits[i]);
         hits.push_back(oracle.hits[i]);
-        judgements[j].verdicts = judge.judge(rays[i], query, hits);
-        ONEPASS_CHECK_EQ(judgements[j].verdicts.size(), hits.size());
+        judgements[j].verdicts = judge_distinct(judge, rays[i], query, hits);
     });
     return judgements;
 }
@@ -150,6 +151,28 @@ bool is_worse(const Verdict& a, const Verdict& b) { return badness(a) > badness(
 
 uint64_t edge_budget(uint64_t ray_count) {
     return static_cast<uint64_t>(std::ceil(kEdgeShare * static_cast<double>(ray_count)));
+}
+
+std::vector<Verdict> judge_distinct(const Judge& judge, const Ray& ray, Query query,
+                                    std::span<const Hit> answers) {
+    // Bits, so that a NaN is equal to itself.
+    const auto same = [](const Hit& a, const Hit& b) {
+        using Bits = std::array<uint32_t, 5>;
+        return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
+    };
+    std::vector<Hit> distinct;
+    std::vector<size_t> place_of;
+    for (const Hit& answer : answers) {
+        const auto known = std::find_if(distinct.begin(), distinct.end(),
+                                        [&](const Hit& d) { return same(d, answer); });
+        place_of.push_back(static_cast<size_t>(known - distinct.begin()));
+        if (known == distinct.end()) distinct.push_back(answer);
+    }
+    const std::vector<Verdict> verdicts = judge.judge(ray, query, distinct);
+    ONEPASS_CHECK_EQ(verdicts.size(), distinct.size());
+    std::vector<Verdict> result;
+    for (const size_t place : place_of) result.push_back(verdicts[place]);
+    return result;
 }
 
 std::vector<HitComparison> compare_hits(std::span<const Ray> rays, Query query,

@@ -68,6 +68,11 @@ HitComparison compare_hits(std::span<const Ray> rays, Query query, const CastRes
                            const CastResult& oracle, const Judge& judge,
                            const HitCheckOptions& options = {});
 
+/// The judge's verdicts on several answers to one ray, in their order. Answers equal in every bit
+/// are judged once: tracers mostly agree, and a search for a witness is dear.
+std::vector<Verdict> judge_distinct(const Judge& judge, const Ray& ray, Query query,
+                                    std::span<const Hit> answers);
+
 /// Reads "CLASS=N", an argument of --allow. Throws: Error for another form or an unknown class.
 std::pair<HitClass, uint64_t> parse_allowance(const std::string& text);
 

@@ -1,8 +1,6 @@
 #include "compare/stress.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -88,29 +86,18 @@ RaySet rays_of(const Rung& rung, const ScenePtr& scene, const StressSetup& setup
 
 // ---- Judging
 
-/// Equal bit by bit, so that a NaN is equal to itself.
-bool same_answer(const Hit& a, const Hit& b) {
-    return std::bit_cast<std::array<uint32_t, 5>>(a) == std::bit_cast<std::array<uint32_t, 5>>(b);
-}
-
-/// One verdict a climber that answered; equal answers are judged once.
+/// One verdict a climber; a default one for those that did not answer.
 std::vector<Verdict> judge_ray(const Judge& judge, const Ray& ray, Query query, size_t index,
                                const std::vector<Climber>& climbers) {
     std::vector<Hit> answers;
-    std::vector<size_t> answer_of(climbers.size());
-    for (size_t c = 0; c < climbers.size(); ++c) {
-        if (climbers[c].answers.hits.empty()) continue;
-        const Hit& hit = climbers[c].answers.hits[index];
-        const auto known = std::find_if(answers.begin(), answers.end(),
-                                        [&](const Hit& a) { return same_answer(a, hit); });
-        answer_of[c] = static_cast<size_t>(known - answers.begin());
-        if (known == answers.end()) answers.push_back(hit);
+    for (const Climber& climber : climbers) {
+        if (!climber.answers.hits.empty()) answers.push_back(climber.answers.hits[index]);
     }
-    const std::vector<Verdict> distinct = judge.judge(ray, query, answers);
-    ONEPASS_CHECK_EQ(distinct.size(), answers.size());
+    const std::vector<Verdict> judged = judge_distinct(judge, ray, query, answers);
     std::vector<Verdict> verdicts(climbers.size());
+    auto next = judged.begin();
     for (size_t c = 0; c < climbers.size(); ++c) {
-        if (!climbers[c].answers.hits.empty()) verdicts[c] = distinct[answer_of[c]];
+        if (!climbers[c].answers.hits.empty()) verdicts[c] = *next++;
     }
     return verdicts;
 }

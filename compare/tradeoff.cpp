@@ -31,7 +31,7 @@ std::vector<ClassCounts> judge_all(std::span<Tracer* const> tracers, const RaySe
     tbb::parallel_for(size_t{0}, rays.rays.size(), [&](size_t i) {
         std::vector<Hit> hits;
         for (const std::vector<Hit>& of_tracer : answers) hits.push_back(of_tracer[i]);
-        verdicts[i] = judge.judge(rays.rays[i], rays.query, hits);
+        verdicts[i] = judge_distinct(judge, rays.rays[i], rays.query, hits);
         ONEPASS_CHECK_EQ(verdicts[i].size(), hits.size());
     });
 

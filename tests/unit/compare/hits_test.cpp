@@ -1,8 +1,10 @@
 // compare_hits: every ray in exactly one class, none hidden in another.
 #include "compare/hits.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 #include <gtest/gtest.h>
 
@@ -269,8 +271,10 @@ TEST(CompareHits, judges_a_ray_once_for_all_tracers_and_the_oracle_with_them) {
     one.hits[0] = hit_at(1.0f, 7);
     CastResult other = oracle;
     other.hits[2] = Hit{};
+    std::mutex guard;
     std::vector<float> judged;
     const FakeJudge judge([&](const Ray& ray, const Hit& answer) {
+        const std::lock_guard lock(guard);
         judged.push_back(ray.org.x);
         if (!answer.is_hit()) return verdict_of(HitClass::false_miss);
         // On ray 2 it is the oracle that is wrong, and who agrees with it.
@@ -280,7 +284,9 @@ TEST(CompareHits, judges_a_ray_once_for_all_tracers_and_the_oracle_with_them) {
     const std::vector<CastResult> answers = {one, other, oracle};
     const auto rows = compare_hits(rays, Query::closest, answers, oracle, judge, without_sample());
     ASSERT_EQ(rows.size(), 3u);
-    EXPECT_EQ(judged.size(), 8u) << "two rays, each with three answers and the oracle's";
+    std::sort(judged.begin(), judged.end());
+    EXPECT_EQ(judged, (std::vector<float>{0.0f, 0.0f, 2.0f, 2.0f}))
+        << "two rays, each with its two different answers";
     EXPECT_EQ(count(rows[0].record, HitClass::wrong_surface), 2u);
     EXPECT_EQ(count(rows[1].record, HitClass::false_miss), 1u);
     EXPECT_EQ(count(rows[1].record, HitClass::wrong_surface), 0u);
