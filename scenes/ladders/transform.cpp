@@ -44,7 +44,7 @@ Ladder mirror_ladder() {
                 "A ball that its instance mirrors (the determinant is negative, and what "
                 "was counter-clockwise no longer is) and flattens.",
             .knob = "height of the flattened ball",
-            .unit = "of its width",
+            .unit = "widths",
             .rungs = rungs_of(powers_of_ten(0, -7), [](double knob) {
                 return placed_ball(scaling(vec3(-1, 1, single(knob))));
             })};
