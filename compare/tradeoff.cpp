@@ -9,6 +9,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include "compare/hits.h"
 #include "core/error.h"
 
 namespace onepass {
