@@ -1,5 +1,6 @@
 // The paper's strategy: packing limits, budgets, bad rays, agreement with Embree, one file a
 // strategy.
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -86,7 +87,9 @@ TEST_F(Paper, flags_a_ray_whose_step_budget_runs_out) {
     const std::vector<Ray> rays = primary_rays(*scene, 64, 64);
     const gl::ShaderLibrary library = gl::ShaderLibrary::embedded();
     const auto paper_with_one_step = [&] {
-        const gl::StrategyInfo info = library.strategies().front();
+        const auto& known = library.strategies();
+        const gl::StrategyInfo info = *std::find_if(
+            known.begin(), known.end(), [](const auto& s) { return s.name == "paper"; });
         PreparedStrategy prepared = prepare_strategy(info, "texture2d", scene, {}, {});
         for (TextureData& texture : prepared.inputs.textures) {
             if (texture.name == "grids") texture.texels[3] = 1.0f;  // the top grid's step budget
