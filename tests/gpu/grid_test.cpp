@@ -230,6 +230,7 @@ TEST_F(GridStrategy, neither_the_order_of_triangles_nor_that_of_instances_shows_
         object.triangles.insert(object.triangles.end(), once.begin(), once.end());
         object.groups = {{"all", 0, uint32_t(object.triangles.size())}};
     }
+    for (Instance& instance : scene.instances) instance.materials = {0};
     validate(scene);
     Scene reversed = scene;
     std::reverse(reversed.instances.begin(), reversed.instances.end());
