@@ -289,6 +289,14 @@ TEST_F(GridStrategy, a_hit_at_the_very_end_of_the_interval_is_decided_exactly) {
             cut.push_back({rays[i].org, t, rays[i].dir, kInfinity});
         }
     }
+    // It begins on the surface itself, at a float beside it, and leaves along an axis.
+    for (size_t i = 0; i < hits.size(); i += 7) {
+        if (!hits[i].is_hit()) continue;
+        const vec3 on = rays[i].org + rays[i].dir * hits[i].t;
+        cut.push_back({on, 0.0f, rays[i].dir, kInfinity});
+        cut.push_back({on, 0.0f, -rays[i].dir, kInfinity});
+        cut.push_back({on, 0.0f, vec3(-1e-12f, 1.0f, -1e-12f), kInfinity});
+    }
     expect_no_error(*tracer, scene, cut, "cut rays");
 }
 

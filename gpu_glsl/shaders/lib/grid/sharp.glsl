@@ -1,15 +1,18 @@
 // One triangle's hit with twice the digits: what decides where rounding leaves open whether, or in
 // which order, surfaces are hit.
 //
-// The same formulas as in lib/grid/watertight.glsl, on the ray as it was given. What these digits
-// cannot tell from an edge counts as on the edge, for both triangles that have it: no ray slips
-// between them, at corners neither.
+// The same formulas as in lib/grid/watertight.glsl, on the same course: from where the ray enters the
+// grid, so that what moving it there lost is lost for all triangles alike. What these digits cannot
+// tell from an edge counts as on the edge, for both triangles that have it: no ray slips between
+// them, at corners neither.
 #pragma once
+#include "lib/grid/walk.glsl"
 #include "lib/grid/watertight.glsl"
 
 struct SharpHit {
     bool is_hit;  // false as well for a ray in the triangle's plane
     Pair t;       // normalised
+    float error;  // of t, at most
     float u;
     float v;
 };
@@ -47,7 +50,9 @@ Pair sharp_edge(SharpCorner from, SharpCorner to, float reach) {
 
 SharpHit sharp_hit(Ray ray, uint inst_id, uint prim_id) {
     LocalRay local = to_instance(inst_id, ray);
-    Triangle triangle = fetch_triangle(fetch_grid(fetch_grid_of_instance(inst_id)), prim_id);
+    Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
+    Triangle triangle = fetch_triangle(grid, prim_id);
+    Course course = course_in(grid, local, ray.tmin, ray.tmax);
 
     int axis = largest_axis(local.dir);
     vec3 d = turned(local.dir, axis);
@@ -55,22 +60,31 @@ SharpHit sharp_hit(Ray ray, uint inst_id, uint prim_id) {
     Pair along = Pair(d.z, d_rest.z);
     Pair shear_x = pair_quotient(Pair(d.x, d_rest.x), along);
     Pair shear_y = pair_quotient(Pair(d.y, d_rest.y), along);
-    vec3 org = turned(local.org, axis);
-    vec3 org_rest = turned(local.org_rest, axis);
+    vec3 org = turned(course.org, axis);
+    vec3 org_rest = turned(course.org_rest, axis);
     SharpCorner a = sharply_sheared(org, org_rest, shear_x, shear_y, turned(triangle.v0, axis));
     SharpCorner b = sharply_sheared(org, org_rest, shear_x, shear_y, turned(triangle.v1, axis));
     SharpCorner c = sharply_sheared(org, org_rest, shear_x, shear_y, turned(triangle.v2, axis));
 
-    float reach = 1.0 + largest(abs(local.org));
+    float reach = 1.0 + largest(abs(course.org));
     Pair w0 = sharp_edge(b, c, reach);
     Pair w1 = sharp_edge(c, a, reach);
     Pair w2 = sharp_edge(a, b, reach);
     bool is_outside = (w0.hi < 0.0 || w1.hi < 0.0 || w2.hi < 0.0) &&
                       (w0.hi > 0.0 || w1.hi > 0.0 || w2.hi > 0.0);
     Pair area = pair_sum(pair_sum(w0, w1), w2);
-    if (is_outside || area.hi == 0.0) return SharpHit(false, Pair(infinity(), 0.0), 0.0, 0.0);
+    if (is_outside || area.hi == 0.0) return SharpHit(false, Pair(infinity(), 0.0), 0.0, 0.0, 0.0);
 
     Pair z = add_product(add_product(pair_product(w0, a.z), w1, b.z), w2, c.z);
     Pair t = pair_quotient(pair_quotient(normalised(z), area), along);
-    return SharpHit(true, t, w1.hi / area.hi, w2.hi / area.hi);
+    t = pair_sum(Pair(course.start, 0.0), t);
+
+    // As in lib/grid/watertight.glsl: the weights' error times the depth, and what is done with z.
+    vec3 x = vec3(abs(a.x.hi), abs(b.x.hi), abs(c.x.hi));
+    vec3 y = vec3(abs(a.y.hi), abs(b.y.hi), abs(c.y.hi));
+    float width = greater(largest(x), largest(y));
+    float depth = greater(a.z.hi, greater(b.z.hi, c.z.hi)) - lesser(a.z.hi, lesser(b.z.hi, c.z.hi));
+    float share = lesser(12.0 * width / abs(area.hi) * depth, 1.0 / half_ulp());
+    float error = 64.0 * half_ulp() * half_ulp() * reach * (1.0 + share) / abs(along.hi);
+    return SharpHit(true, t, error, w1.hi / area.hi, w2.hi / area.hi);
 }
