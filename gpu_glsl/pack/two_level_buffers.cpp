@@ -87,39 +87,7 @@ void put(float* texel, const dvec3& v) {
     for (int c = 0; c < 3; ++c) texel[c] = static_cast<float>(v[c]);
 }
 
-/// True if the sum is exactly 0. Each number is added without rounding to a list of numbers that
-/// do not overlap (Shewchuk 1997, grow-expansion).
-bool sums_to_zero(const std::array<double, 6>& numbers) {
-    std::array<double, 6> parts{};
-    size_t count = 0;
-    for (double sum : numbers) {
-        for (size_t i = 0; i < count; ++i) {
-            const double part = parts[i];
-            const double total = sum + part;
-            const double of_part = total - sum;
-            parts[i] = (sum - (total - of_part)) + (part - of_part);
-            sum = total;
-        }
-        parts[count++] = sum;
-    }
-    return std::all_of(parts.begin(), parts.end(), [](double part) { return part == 0.0; });
-}
-
-/// True if the corners lie in a line. Products of two floats are exact in double.
-bool has_no_area(const dvec3& a, const dvec3& b, const dvec3& c) {
-    for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3;
-        if (!sums_to_zero({a[i] * b[j], -a[j] * b[i], b[i] * c[j], -b[j] * c[i], c[i] * a[j],
-                           -c[j] * a[i]})) {
-            return false;
-        }
-    }
-    return true;
-}
-
-/// Triangle corners in the frames of their grids: exact. A triangle without area is hit by no ray
-/// (cpu_ref/exact_truth.h has the same rule), but rounding could give it one: it is stored as a
-/// point.
+/// Triangle corners in the frames of their grids: exact.
 TextureData pack_vertices(const Scene& scene, const TwoLevelGrid& grid,
                           const std::vector<uint64_t>& first_triangle,
                           const TextureLimits& limits) {
@@ -133,14 +101,10 @@ TextureData pack_vertices(const Scene& scene, const TwoLevelGrid& grid,
                           [&](const auto& range) {
                               for (size_t i = range.begin(); i != range.end(); ++i) {
                                   const uvec3& corners = object.triangles[i];
-                                  std::array<dvec3, kTriangleVertexTexels> points = {
-                                      object.positions[corners.x], object.positions[corners.y],
-                                      object.positions[corners.z]};
-                                  if (has_no_area(points[0], points[1], points[2]))
-                                      points.fill(points[0]);
-                                  for (size_t v = 0; v < points.size(); ++v) {
-                                      put(out + 4 * (kTriangleVertexTexels * i + v),
-                                          (points[v] - frame.origin) * frame.scale);
+                                  for (int v = 0; v < kTriangleVertexTexels; ++v) {
+                                      const auto at = kTriangleVertexTexels * i + size_t(v);
+                                      const dvec3 p(object.positions[corners[v]]);
+                                      put(out + 4 * at, (p - frame.origin) * frame.scale);
                                   }
                               }
                           });

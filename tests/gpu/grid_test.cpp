@@ -134,6 +134,50 @@ TEST_F(GridStrategy, a_scene_far_from_the_origin_is_as_right_as_one_around_it) {
     }
 }
 
+TEST_F(GridStrategy, answers_are_right_for_the_ray_itself_and_not_only_for_one_beside_it) {
+    // Aimed at edges, near and from 1e4 sizes away, at turned instances: rounding the ray would
+    // take a few of a hundred to the other side, which is right for a ray of E_ray only.
+    for (const Scene& made : {make_balls_1(), make_hind24()}) {
+        const ScenePtr scene = share(made);
+        std::vector<Ray> rays = rays_of_kind("edge", *scene, 48);
+        for (size_t i = 0, near = rays.size(); i < near; ++i) {
+            const vec3 org = rays[i].org - 1e4f * rays[i].dir;
+            rays.push_back({org, 0.0f, rays[i].org + rays[i].dir - org, kInfinity});
+        }
+        const auto judge = make_exact_judge(scene);
+        const std::vector<Hit> hits = cast(*make("grid/buffer/twin32", scene), rays).hits;
+        size_t edges = 0;
+        for (size_t i = 0; i < rays.size(); ++i) {
+            const Verdict verdict =
+                judge->judge(rays[i], Query::closest, std::span(&hits[i], 1)).front();
+            edges += verdict.hit_class == HitClass::edge ? 1 : 0;
+        }
+        EXPECT_LE(edges, rays.size() / 500) << made.name;
+    }
+}
+
+TEST_F(GridStrategy, a_ray_that_starts_on_a_face_and_hardly_leaves_it_is_answered_rightly) {
+    Scene scene = *ball_at(vec3(0.0f), 1.0f);
+    Object& box = scene.objects.front();
+    box = make_box(5, 5, 5);
+    for (vec3& p : box.positions) p += vec3(0.6f, 0.1f, 0.05f);
+    validate(scene);
+    const ScenePtr shared = share(scene);
+    std::vector<Ray> rays;
+    for (size_t i = 0; i < box.triangles.size(); ++i) {
+        const uvec3& t = box.triangles[i];
+        const vec3 inside =
+            0.3f * box.positions[t.x] + 0.25f * box.positions[t.y] + 0.45f * box.positions[t.z];
+        for (const float small : {1e-3f, 1e-9f, 1e-12f, 1e-15f, 1e-30f}) {
+            vec3 dir(i % 2 ? small : -small, i % 4 < 2 ? small : -small, small);
+            dir[int(i % 3)] = i % 5 < 3 ? 0.9f : -0.9f;
+            rays.push_back({inside, 0.0f, dir, kInfinity});
+            rays.push_back({inside - dir, 0.0f, dir, kInfinity});
+        }
+    }
+    expect_no_error(*make("grid/buffer/twin32", shared), shared, rays, "box");
+}
+
 TEST_F(GridStrategy, a_scene_of_any_size_is_as_right_as_one_of_size_1) {
     for (const float scale : {1e-17f, 1e-9f, 1e9f, 1e17f}) {
         const ScenePtr scene = ball_at(scale * vec3(1.0f, -0.3f, 0.7f), scale);
@@ -230,6 +274,7 @@ TEST_F(GridStrategy, neither_the_order_of_triangles_nor_that_of_instances_shows_
         object.triangles.insert(object.triangles.end(), once.begin(), once.end());
         object.groups = {{"all", 0, uint32_t(object.triangles.size())}};
     }
+    for (Instance& instance : scene.instances) instance.materials = {0};
     validate(scene);
     Scene reversed = scene;
     std::reverse(reversed.instances.begin(), reversed.instances.end());
@@ -287,6 +332,14 @@ TEST_F(GridStrategy, a_hit_at_the_very_end_of_the_interval_is_decided_exactly) {
             cut.push_back({rays[i].org, 0.0f, rays[i].dir, t});
             cut.push_back({rays[i].org, t, rays[i].dir, kInfinity});
         }
+    }
+    // It begins on the surface itself, at a float beside it, and leaves along an axis.
+    for (size_t i = 0; i < hits.size(); i += 7) {
+        if (!hits[i].is_hit()) continue;
+        const vec3 on = rays[i].org + rays[i].dir * hits[i].t;
+        cut.push_back({on, 0.0f, rays[i].dir, kInfinity});
+        cut.push_back({on, 0.0f, -rays[i].dir, kInfinity});
+        cut.push_back({on, 0.0f, vec3(-1e-12f, 1.0f, -1e-12f), kInfinity});
     }
     expect_no_error(*tracer, scene, cut, "cut rays");
 }

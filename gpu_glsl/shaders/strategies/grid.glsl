@@ -35,7 +35,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Con
     float begin = greater(t_first - course.start, 0.0);
     float end = lesser(t_last - course.start, course.leave);
     if (!(begin <= end)) return;
-    Shear shear = shear_of(course.org, course.org_rest, course.dir, largest(abs(local.org)));
+    Shear shear = shear_of(course.org, course.org_rest, course.dir);
     Walk walk = begin_walk(grid, course, begin);
 
     bool done = false;

@@ -1,53 +1,70 @@
 // One triangle's hit with twice the digits: what decides where rounding leaves open whether, or in
 // which order, surfaces are hit.
 //
-// The same formulas as in lib/grid/watertight.glsl, on the ray as it was given. What these digits
-// cannot tell from an edge counts as on the edge, for both triangles that have it: no ray slips
-// between them, at corners neither.
+// The same formulas as in lib/grid/watertight.glsl, on the same course: from where the ray enters the
+// grid, so that what moving it there lost is lost for all triangles alike. What these digits cannot
+// tell from an edge counts as on the edge, for both triangles that have it: no ray slips between
+// them, at corners neither.
 #pragma once
+#include "lib/grid/walk.glsl"
 #include "lib/grid/watertight.glsl"
 
 struct SharpHit {
     bool is_hit;  // false as well for a ray in the triangle's plane
     Pair t;       // normalised
+    float error;  // of t, at most
     float u;
     float v;
 };
 
+// A number and how large those were that it was made of: it is wrong by some of their last places.
+struct SharpNumber {
+    Pair value;
+    float made_of;
+};
+
 // A coordinate of a corner as seen from the ray's origin.
-Pair seen_from(float org, float org_rest, float corner) {
+SharpNumber seen_from(float org, float org_rest, float corner) {
     Pair difference = two_sum(corner, -org);
     PRECISE float lo = difference.lo - org_rest;
-    return two_sum(difference.hi, lo);
+    Pair seen = two_sum(difference.hi, lo);
+    return SharpNumber(seen, abs(seen.hi) + abs(org_rest) / half_ulp());
 }
 
 struct SharpCorner {
-    Pair x;
-    Pair y;
-    Pair z;
+    SharpNumber x;
+    SharpNumber y;
+    SharpNumber z;
 };
 
-SharpCorner sharply_sheared(vec3 org, vec3 org_rest, Pair shear_x, Pair shear_y, vec3 corner) {
-    Pair x = seen_from(org.x, org_rest.x, corner.x);
-    Pair y = seen_from(org.y, org_rest.y, corner.y);
-    Pair z = seen_from(org.z, org_rest.z, corner.z);
-    return SharpCorner(normalised(add_product(x, negated(shear_x), z)),
-                       normalised(add_product(y, negated(shear_y), z)), z);
+SharpNumber sharply_sheared(SharpNumber x, Pair shear, SharpNumber z) {
+    Pair value = normalised(add_product(x.value, negated(shear), z.value));
+    return SharpNumber(value, x.made_of + abs(shear.hi) * z.made_of);
 }
 
-// An edge function, and 0 where it is no larger than it can be wrong: pairs keep 2^-48, x and y
-// lose eight times that of `reach` at most, in two products of two.
-Pair sharp_edge(SharpCorner from, SharpCorner to, float reach) {
-    Pair w = normalised(add_product(pair_product(to.x, from.y), negated(to.y), from.x));
-    float width = abs(from.x.hi) + abs(from.y.hi) + abs(to.x.hi) + abs(to.y.hi);
-    float doubt = 64.0 * half_ulp() * half_ulp() * reach * width;
-    if (abs(w.hi) <= doubt) return Pair(0.0, 0.0);
-    return w;
+SharpCorner sharp_corner(vec3 org, vec3 org_rest, Pair shear_x, Pair shear_y, vec3 corner) {
+    SharpNumber x = seen_from(org.x, org_rest.x, corner.x);
+    SharpNumber y = seen_from(org.y, org_rest.y, corner.y);
+    SharpNumber z = seen_from(org.z, org_rest.z, corner.z);
+    return SharpCorner(sharply_sheared(x, shear_x, z), sharply_sheared(y, shear_y, z), z);
+}
+
+// An edge function; 0 where it is no larger than it can be wrong. x and y are wrong by 8 u^2 of what
+// they are made of (u = half_ulp(); a difference, a quotient of quotients, a product, a difference),
+// so two products of two by less than 32 u^2 of that.
+SharpNumber sharp_edge(SharpCorner from, SharpCorner to) {
+    Pair w = pair_product(to.x.value, from.y.value);
+    w = normalised(add_product(w, negated(to.y.value), from.x.value));
+    float made_of = to.x.made_of * from.y.made_of + to.y.made_of * from.x.made_of;
+    if (abs(w.hi) <= 32.0 * half_ulp() * half_ulp() * made_of) w = Pair(0.0, 0.0);
+    return SharpNumber(w, made_of);
 }
 
 SharpHit sharp_hit(Ray ray, uint inst_id, uint prim_id) {
     LocalRay local = to_instance(inst_id, ray);
-    Triangle triangle = fetch_triangle(fetch_grid(fetch_grid_of_instance(inst_id)), prim_id);
+    Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
+    Triangle triangle = fetch_triangle(grid, prim_id);
+    Course course = course_in(grid, local, ray.tmin, ray.tmax);
 
     int axis = largest_axis(local.dir);
     vec3 d = turned(local.dir, axis);
@@ -55,22 +72,34 @@ SharpHit sharp_hit(Ray ray, uint inst_id, uint prim_id) {
     Pair along = Pair(d.z, d_rest.z);
     Pair shear_x = pair_quotient(Pair(d.x, d_rest.x), along);
     Pair shear_y = pair_quotient(Pair(d.y, d_rest.y), along);
-    vec3 org = turned(local.org, axis);
-    vec3 org_rest = turned(local.org_rest, axis);
-    SharpCorner a = sharply_sheared(org, org_rest, shear_x, shear_y, turned(triangle.v0, axis));
-    SharpCorner b = sharply_sheared(org, org_rest, shear_x, shear_y, turned(triangle.v1, axis));
-    SharpCorner c = sharply_sheared(org, org_rest, shear_x, shear_y, turned(triangle.v2, axis));
+    vec3 org = turned(course.org, axis);
+    vec3 org_rest = turned(course.org_rest, axis);
+    SharpCorner a = sharp_corner(org, org_rest, shear_x, shear_y, turned(triangle.v0, axis));
+    SharpCorner b = sharp_corner(org, org_rest, shear_x, shear_y, turned(triangle.v1, axis));
+    SharpCorner c = sharp_corner(org, org_rest, shear_x, shear_y, turned(triangle.v2, axis));
 
-    float reach = 1.0 + largest(abs(local.org));
-    Pair w0 = sharp_edge(b, c, reach);
-    Pair w1 = sharp_edge(c, a, reach);
-    Pair w2 = sharp_edge(a, b, reach);
+    SharpNumber edge0 = sharp_edge(b, c);
+    SharpNumber edge1 = sharp_edge(c, a);
+    SharpNumber edge2 = sharp_edge(a, b);
+    Pair w0 = edge0.value;
+    Pair w1 = edge1.value;
+    Pair w2 = edge2.value;
     bool is_outside = (w0.hi < 0.0 || w1.hi < 0.0 || w2.hi < 0.0) &&
                       (w0.hi > 0.0 || w1.hi > 0.0 || w2.hi > 0.0);
     Pair area = pair_sum(pair_sum(w0, w1), w2);
-    if (is_outside || area.hi == 0.0) return SharpHit(false, Pair(infinity(), 0.0), 0.0, 0.0);
+    if (is_outside || area.hi == 0.0) return SharpHit(false, Pair(infinity(), 0.0), 0.0, 0.0, 0.0);
 
-    Pair z = add_product(add_product(pair_product(w0, a.z), w1, b.z), w2, c.z);
+    Pair z = pair_product(w0, a.z.value);
+    z = add_product(add_product(z, w1, b.z.value), w2, c.z.value);
     Pair t = pair_quotient(pair_quotient(normalised(z), area), along);
-    return SharpHit(true, t, w1.hi / area.hi, w2.hi / area.hi);
+    t = pair_sum(Pair(course.start, 0.0), t);
+
+    // As in lib/grid/watertight.glsl: the weights' error times the depth, and what is done with z.
+    vec3 depths = vec3(a.z.value.hi, b.z.value.hi, c.z.value.hi);
+    float depth = largest(depths) - smallest(depths);
+    float share = (edge0.made_of + edge1.made_of + edge2.made_of) / abs(area.hi);
+    share = lesser(share, 1.0 / (half_ulp() * half_ulp()));
+    float reach = a.z.made_of + b.z.made_of + c.z.made_of;
+    float error = 32.0 * half_ulp() * half_ulp() * (reach + share * depth) / abs(along.hi);
+    return SharpHit(true, t, error, w1.hi / area.hi, w2.hi / area.hi);
 }

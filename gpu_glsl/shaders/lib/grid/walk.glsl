@@ -1,9 +1,10 @@
 // Walking a grid without drift: integer cells, and every exit plane computed from its number.
 //
 // Why no cell is lost. A grid is built with each triangle in all cells within kBinningPad of a cell
-// (core/grid/uniform_grid.h); the walk starts where the ray enters the grid, so that its positions
-// are wrong by some 2^-23 of the grid's size, less than that pad up to 1024 cells on an axis. So
-// the cell where the walk is at any t names every triangle that the ray meets there.
+// (core/grid/uniform_grid.h). The walk starts where the ray enters the grid, so that its position on
+// each axis is wrong by at most 10 * 2^-24 of the grid's size there (gpu_glsl/README.md adds it up):
+// less than that pad up to 1,600 cells on an axis; core/grid/sizing.h stops at 1,024. So the cell
+// where the walk is at any t names every triangle that the ray meets there.
 #pragma once
 #include "lib/math.glsl"
 #include "lib/ray.glsl"

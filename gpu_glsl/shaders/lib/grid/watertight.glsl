@@ -30,14 +30,11 @@ int largest_axis(vec3 v) {
     return size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
 }
 
-// `far`: the largest coordinate that the ray's origin had before it was moved to `org`; of it pairs
-// keep all but some 2^-42, which is 2^-18 in units of half_ulp().
-Shear shear_of(vec3 org, vec3 org_rest, vec3 dir, float far) {
-    const float kLostByMoving = 3.814697265625e-6;  // 2^-18
+Shear shear_of(vec3 org, vec3 org_rest, vec3 dir) {
     int axis = largest_axis(dir);
     vec3 d = turned(dir, axis);
     // No coordinate of an object's corner is larger than 1, in the frame of its grid.
-    float reach = 1.0 + largest(abs(org)) + kLostByMoving * far;
+    float reach = 1.0 + largest(abs(org));
     return Shear(org, org_rest, axis, d.x / d.z, d.y / d.z, 1.0 / d.z, reach);
 }
 
