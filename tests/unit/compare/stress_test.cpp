@@ -130,6 +130,7 @@ TEST(Stress, the_truth_about_a_ray_is_asked_for_once_with_each_distinct_answer) 
             for (const Hit& hit : hits) verdicts.push_back(verdict_of(hit));
             return verdicts;
         }
+        RayTruth explain(const Ray&, std::span<const Hit>) const override { return {}; }
     };
     std::atomic<size_t> calls = 0;
     std::atomic<size_t> answers = 0;

@@ -121,6 +121,7 @@ TEST(MeasureTradeoff, judges_every_answer_with_one_truth_a_ray) {
             }
             return verdicts;
         }
+        RayTruth explain(const Ray&, std::span<const Hit>) const override { return {}; }
     } judge;
 
     RaySet rays;
