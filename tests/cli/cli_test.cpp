@@ -396,9 +396,9 @@ TEST(CheckFrames, takes_each_frame_as_a_scene_of_its_own) {
                             "5..6", "--rays", "primary", "--rays", "random", "--json", "r.json"});
     EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 1) << outcome.err;
     const Results results = read_results(folder.path() / "r.json");
-    ASSERT_EQ(results.checks.size(), 4u);
+    ASSERT_EQ(results.checks.size(), 8u) << "Embree's robust mode stands beside the fast one";
     EXPECT_EQ(results.checks[0].scene, "balls-1, frame 5");
-    EXPECT_EQ(results.checks[3].scene, "balls-1, frame 6");
+    EXPECT_EQ(results.checks[7].scene, "balls-1, frame 6");
     EXPECT_NE(results.scenes[0].hash, "");
     for (const CheckRecord& check : results.checks) EXPECT_EQ(check.errors(), 0u) << check.scene;
     EXPECT_NE(outcome.out.find("balls-1, frame 6, primary rays"), std::string::npos) << outcome.out;
@@ -409,18 +409,19 @@ TEST(Check, prints_every_class_and_writes_results) {
     const Outcome outcome = onepass_in(folder, with(kSmallCheck, {"--json", "run.json"}));
     EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 1) << outcome.err;
     for (const char* word : {"agree", "tie", "edge", "false_miss", "false_hit", "wrong_surface",
-                             "t_error", "exhausted", "judge: double precision", "PSNR"}) {
+                             "t_error", "exhausted", "judge: exact", "(the oracle)", "PSNR"}) {
         EXPECT_NE(outcome.out.find(word), std::string::npos) << word;
     }
     const Results results = read_results(folder.path() / "run.json");
-    ASSERT_EQ(results.checks.size(), 2u);
+    ASSERT_EQ(results.checks.size(), 4u) << "two kinds of rays, and the oracle's own rows";
     bool passed = true;
     for (const CheckRecord& check : results.checks) {
+        EXPECT_EQ(check.reference, check.tracer == check.oracle);
         EXPECT_EQ(check.ray_count, 4096u);
         uint64_t classed = check.oracle_invalid;
         for (const ClassTally& tally : check.classes) classed += tally.count;
         EXPECT_EQ(classed, check.ray_count) << "every ray is in one class";
-        passed &= check.passed;
+        passed &= check.passed || check.reference;
     }
     ASSERT_EQ(results.images.size(), 1u);
     EXPECT_EQ(outcome.exit_code == 0, passed && results.images[0].passed);
@@ -435,7 +436,11 @@ TEST(Check, takes_one_value_for_each_repeated_option) {
     const Outcome outcome =
         onepass_in(folder, {"check", "-s", "embree/fast", "-s", "embree/robust/1thread", "--rays",
                             "primary", "balls-1", "--size", "16x16", "--no-image", "--json", "-"});
-    EXPECT_EQ(results_from_json(outcome.out, "run").checks.size(), 2u) << outcome.err;
+    const Results results = results_from_json(outcome.out, "run");
+    ASSERT_EQ(results.checks.size(), 3u) << outcome.err;
+    EXPECT_FALSE(results.checks[0].reference) << "asked for by name: it is checked";
+    EXPECT_FALSE(results.checks[1].reference);
+    EXPECT_TRUE(results.checks[2].reference);
 }
 
 TEST(Check, gives_the_same_counts_for_the_same_seed) {

@@ -169,7 +169,9 @@ TEST(ShadingScene, follows_moved_instances_as_if_made_anew) {
     ShadingScene moved(far_scene);
     const float near_offset = moved.ray_offset;
     moved.move(std::vector<Affine>{translation(vec3(1000, 0, 0))});
-    EXPECT_GT(moved.ray_offset, 100 * near_offset);
+    EXPECT_GT(moved.ray_offset, 10 * near_offset);
+    far_scene.instances[0].world_from_object = translation(vec3(1000, 0, 0));
+    EXPECT_EQ(moved.ray_offset, secondary_offset(scene_bounds(far_scene)));
 }
 
 }  // namespace
