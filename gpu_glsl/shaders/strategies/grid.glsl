@@ -31,11 +31,11 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Con
 
     // The course is the same from whichever cell of the top level the instance is met, so that a
     // triangle met twice gives the same t twice; the walk covers the part that was asked for.
-    Course course = course_in(grid, local, ray.tmin, ray.tmax);
+    Course course = course_in(grid, local, contest.start, ray.tmax);
     float begin = greater(t_first - course.start, 0.0);
     float end = lesser(t_last - course.start, course.leave);
     if (!(begin <= end)) return;
-    Shear shear = shear_of(course.org, course.org_rest, course.dir);
+    Shear shear = shear_of(course.org, course.org_rest, course.dir, largest(abs(local.org)));
     Walk walk = begin_walk(grid, course, begin);
 
     bool done = false;
@@ -76,7 +76,7 @@ Span span_in_cell(Grid grid, Course course, ivec3 cell) {
 
 void walk_scene(Ray ray, INOUT(Contest) contest) {
     Grid grid = fetch_top_grid();
-    Course course = course_in(grid, to_top_level(ray), ray.tmin, ray.tmax);
+    Course course = course_in(grid, to_top_level(ray), contest.start, ray.tmax);
     if (!(course.leave >= 0.0)) return;
     Walk walk = begin_walk(grid, course, 0.0);
 
@@ -111,7 +111,7 @@ Hit closest_hit(Ray ray) {
     // One round, but where more than two surfaces are closer to each other than rounding. Each
     // settles at least one of them.
     const int kMostRounds = 4096;
-    Contest contest = open_contest();
+    Contest contest = open_contest(ray);
     bool done = false;
     for (int rounds = kMostRounds; rounds > 0; --rounds) {
         walk_scene(ray, contest);

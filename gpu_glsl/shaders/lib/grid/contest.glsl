@@ -4,8 +4,9 @@
 // It lowers `bound`, which the nearest hit's t does not exceed, and keeps the triangles that may be
 // below it: mostly one, two where surfaces touch or the ray passes close to an edge. After the walk
 // these rivals are compared with twice the digits (lib/grid/sharp.glsl). Where there are more than
-// two, the walk is repeated for those left out. So the answer is the same in whatever order
-// triangles are met.
+// two, the walk is repeated for those left out, from where the first of them can be: seen from
+// there, errors are those of near things. So the answer is the same in whatever order triangles are
+// met.
 #pragma once
 #include "lib/grid/sharp.glsl"
 
@@ -22,6 +23,7 @@ struct Contest {
     Rival second;
     Rival left_out;  // the first of those that found no room
     Rival next;      // those before it have been settled
+    float start;     // the walk begins at this t: none that is not settled can be hit before
 };
 
 Rival nobody() { return Rival(kNoId, kNoId); }
@@ -32,14 +34,16 @@ bool is_before(Rival a, Rival b) {
 bool is_same(Rival a, Rival b) { return a.inst_id == b.inst_id && a.prim_id == b.prim_id; }
 bool is_somebody(Rival a) { return a.inst_id != kNoId; }
 
-Contest open_contest() {
+Contest open_contest(Ray ray) {
     Pair never = Pair(infinity(), 0.0);
-    return Contest(never, never, nobody(), nobody(), nobody(), Rival(0u, 0u));
+    return Contest(never, never, nobody(), nobody(), nobody(), Rival(0u, 0u), ray.tmin);
 }
 
 // Another round, for those that the last one left out; `t` of the nearest hit so far.
 void reopen(INOUT(Contest) contest, Pair t) {
     if (is_less(t, contest.bound)) contest.bound = t;
+    const float kTwoUlps = 2.384185791015625e-7;
+    contest.start = greater(contest.start, contest.from.hi - kTwoUlps * abs(contest.from.hi));
     contest.next = contest.left_out;
     contest.from = Pair(infinity(), 0.0);
     contest.first = nobody();

@@ -1,10 +1,8 @@
 // One triangle's hit with twice the digits: what decides where rounding leaves open whether, or in
 // which order, surfaces are hit.
 //
-// The same formulas as in lib/grid/watertight.glsl, on the same course: from where the ray enters the
-// grid, so that what moving it there lost is lost for all triangles alike. What these digits cannot
-// tell from an edge counts as on the edge, for both triangles that have it: no ray slips between
-// them, at corners neither.
+// The same formulas as in lib/grid/watertight.glsl. What these digits cannot tell from an edge counts
+// as on the edge, for both triangles that have it: no ray slips between them, at corners neither.
 #pragma once
 #include "lib/grid/walk.glsl"
 #include "lib/grid/watertight.glsl"
@@ -23,12 +21,12 @@ struct SharpNumber {
     float made_of;
 };
 
-// A coordinate of a corner as seen from the ray's origin.
-SharpNumber seen_from(float org, float org_rest, float corner) {
+// A coordinate of a corner as seen from the ray's origin. `lost`: what moving it was made of.
+SharpNumber seen_from(float org, float org_rest, float lost, float corner) {
     Pair difference = two_sum(corner, -org);
     PRECISE float lo = difference.lo - org_rest;
     Pair seen = two_sum(difference.hi, lo);
-    return SharpNumber(seen, abs(seen.hi) + abs(org_rest) / half_ulp());
+    return SharpNumber(seen, abs(seen.hi) + abs(org_rest) / half_ulp() + lost);
 }
 
 struct SharpCorner {
@@ -38,24 +36,28 @@ struct SharpCorner {
 };
 
 SharpNumber sharply_sheared(SharpNumber x, Pair shear, SharpNumber z) {
+    // What is far smaller is lost where numbers are denormal.
+    const float kLeast = 8.470329472543003e-22;  // 2^-70: 8 u^2 of it is 2^-115
     Pair value = normalised(add_product(x.value, negated(shear), z.value));
-    return SharpNumber(value, x.made_of + abs(shear.hi) * z.made_of);
+    return SharpNumber(value, x.made_of + abs(shear.hi) * z.made_of + kLeast);
 }
 
-SharpCorner sharp_corner(vec3 org, vec3 org_rest, Pair shear_x, Pair shear_y, vec3 corner) {
-    SharpNumber x = seen_from(org.x, org_rest.x, corner.x);
-    SharpNumber y = seen_from(org.y, org_rest.y, corner.y);
-    SharpNumber z = seen_from(org.z, org_rest.z, corner.z);
+SharpCorner sharp_corner(vec3 org, vec3 org_rest, float lost, Pair shear_x, Pair shear_y,
+                         vec3 corner) {
+    SharpNumber x = seen_from(org.x, org_rest.x, lost, corner.x);
+    SharpNumber y = seen_from(org.y, org_rest.y, lost, corner.y);
+    SharpNumber z = seen_from(org.z, org_rest.z, lost, corner.z);
     return SharpCorner(sharply_sheared(x, shear_x, z), sharply_sheared(y, shear_y, z), z);
 }
 
 // An edge function; 0 where it is no larger than it can be wrong. x and y are wrong by 8 u^2 of what
-// they are made of (u = half_ulp(); a difference, a quotient of quotients, a product, a difference),
-// so two products of two by less than 32 u^2 of that.
+// they are made of (u = half_ulp(); a difference, a quotient, a product, a difference), so two
+// products by that of each factor times the other, and by their own roundings: 32 u^2 is twice that.
 SharpNumber sharp_edge(SharpCorner from, SharpCorner to) {
     Pair w = pair_product(to.x.value, from.y.value);
     w = normalised(add_product(w, negated(to.y.value), from.x.value));
-    float made_of = to.x.made_of * from.y.made_of + to.y.made_of * from.x.made_of;
+    float made_of = (abs(to.x.value.hi) * from.y.made_of + to.x.made_of * abs(from.y.value.hi)) +
+                    (abs(to.y.value.hi) * from.x.made_of + to.y.made_of * abs(from.x.value.hi));
     if (abs(w.hi) <= 32.0 * half_ulp() * half_ulp() * made_of) w = Pair(0.0, 0.0);
     return SharpNumber(w, made_of);
 }
@@ -64,7 +66,20 @@ SharpHit sharp_hit(Ray ray, uint inst_id, uint prim_id) {
     LocalRay local = to_instance(inst_id, ray);
     Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
     Triangle triangle = fetch_triangle(grid, prim_id);
-    Course course = course_in(grid, local, ray.tmin, ray.tmax);
+
+    // A ray from afar is moved to where it enters the grid: pairs hold some 2^-46 of its way, and
+    // what moving loses is lost for all triangles alike. One from close by is taken as it is.
+    const float kNear = 16.0;  // in sizes of the object
+    float far = largest(abs(local.org));
+    float lost = 0.0;
+    Course course;
+    course.org = local.org;
+    course.org_rest = local.org_rest;
+    course.start = 0.0;
+    if (far > kNear) {
+        course = course_in(grid, local, ray.tmin, ray.tmax);
+        lost = far;
+    }
 
     int axis = largest_axis(local.dir);
     vec3 d = turned(local.dir, axis);
@@ -74,9 +89,12 @@ SharpHit sharp_hit(Ray ray, uint inst_id, uint prim_id) {
     Pair shear_y = pair_quotient(Pair(d.y, d_rest.y), along);
     vec3 org = turned(course.org, axis);
     vec3 org_rest = turned(course.org_rest, axis);
-    SharpCorner a = sharp_corner(org, org_rest, shear_x, shear_y, turned(triangle.v0, axis));
-    SharpCorner b = sharp_corner(org, org_rest, shear_x, shear_y, turned(triangle.v1, axis));
-    SharpCorner c = sharp_corner(org, org_rest, shear_x, shear_y, turned(triangle.v2, axis));
+    vec3 v0 = turned(triangle.v0, axis);
+    vec3 v1 = turned(triangle.v1, axis);
+    vec3 v2 = turned(triangle.v2, axis);
+    SharpCorner a = sharp_corner(org, org_rest, lost, shear_x, shear_y, v0);
+    SharpCorner b = sharp_corner(org, org_rest, lost, shear_x, shear_y, v1);
+    SharpCorner c = sharp_corner(org, org_rest, lost, shear_x, shear_y, v2);
 
     SharpNumber edge0 = sharp_edge(b, c);
     SharpNumber edge1 = sharp_edge(c, a);

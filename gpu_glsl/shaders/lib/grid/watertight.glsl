@@ -18,7 +18,7 @@ struct Shear {
     float x;       // how much of z to take from x ...
     float y;       // ... and from y
     float z;       // 1 / the largest component
-    float reach;   // no coordinate of a corner, seen from the ray's origin, is larger
+    float blur;    // how far `org` may be from the ray, in units of half_ulp()
 };
 
 vec3 turned(vec3 v, int axis) {
@@ -30,12 +30,13 @@ int largest_axis(vec3 v) {
     return size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
 }
 
-Shear shear_of(vec3 org, vec3 org_rest, vec3 dir) {
+// `far`: the largest coordinate that the ray's origin had before it was moved to `org`; of it pairs
+// keep all but some 2^-44, which is 2^-20 in units of half_ulp().
+Shear shear_of(vec3 org, vec3 org_rest, vec3 dir, float far) {
+    const float kLostByMoving = 9.5367431640625e-7;  // 2^-20
     int axis = largest_axis(dir);
     vec3 d = turned(dir, axis);
-    // No coordinate of an object's corner is larger than 1, in the frame of its grid.
-    float reach = 1.0 + largest(abs(org));
-    return Shear(org, org_rest, axis, d.x / d.z, d.y / d.z, 1.0 / d.z, reach);
+    return Shear(org, org_rest, axis, d.x / d.z, d.y / d.z, 1.0 / d.z, kLostByMoving * far);
 }
 
 // A corner in the ray's frame; z in units of the direction's largest component.
@@ -56,9 +57,10 @@ struct Crossing {
 
 // False if the ray misses the triangle.
 //
-// The bounds. With u = half_ulp() and W the largest |x| or |y| of the three corners: x and y are
-// wrong by at most 8 u reach (a difference, a rounded direction, a quotient, a product, a
-// difference), so an edge function is by at most 35 u W reach; `doubt` is twice that. If all three
+// The bounds. With u = half_ulp(), `width` the largest |x| or |y| of the three corners and `reach`
+// the largest coordinate that they were made of: x and y are wrong by at most 8 u reach (a
+// difference, a rounded direction, a quotient, a product, a difference), so an edge function is by
+// at most 35 u width reach; `doubt` is twice that. If all three
 // are larger, their sum, the area, is wrong by less than half of itself. t is the mean of the
 // corners' z weighted by them, so it is wrong by their error's share of the area times the depth of
 // the triangle; and by 16 u reach for z and what is done with it. If in doubt, t is within the
@@ -79,15 +81,16 @@ bool may_cross(Triangle triangle, Shear shear, OUT(Crossing) crossing) {
     if ((size.x == 0.0 && shear.x == 0.0) || (size.y == 0.0 && shear.y == 0.0)) return false;
 
     float width = greater(size.x, size.y);
-    float doubt = 72.0 * half_ulp() * shear.reach * width;
+    float z_near = lesser(a.z, lesser(b.z, c.z));
+    float z_far = greater(a.z, greater(b.z, c.z));
+    float reach = width + greater(abs(z_near), abs(z_far)) + shear.blur;
+    float doubt = 72.0 * half_ulp() * reach * width;
     float least = lesser(w0, lesser(w1, w2));
     float most = greater(w0, greater(w1, w2));
     if (least < -doubt && most > doubt) return false;
     crossing.is_sure = least > doubt || most < -doubt;
 
-    float z_near = lesser(a.z, lesser(b.z, c.z));
-    float z_far = greater(a.z, greater(b.z, c.z));
-    float error = 16.0 * half_ulp() * shear.reach;
+    float error = 16.0 * half_ulp() * reach;
     if (crossing.is_sure) {
         float area = w0 + w1 + w2;
         float z = a.z + w1 / area * (b.z - a.z) + w2 / area * (c.z - a.z);
