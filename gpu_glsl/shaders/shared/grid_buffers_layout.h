@@ -11,6 +11,6 @@ const int kGridNumberTexels = 2;
 const int kTriangleVertexTexels = 3;
 
 // q = M (p - place) - origin takes the world to the frame of the object's grid. The rows of M, each
-// number as the sum of two floats: the leading parts of the three rows, with the place's coordinates
-// as fourth numbers; then the trailing parts, with the origin's.
+// number as the sum of two floats: the leading parts of the three rows, with the place's
+// coordinates as fourth numbers; then the trailing parts, with the origin's.
 const int kInstanceRowTexels = 6;

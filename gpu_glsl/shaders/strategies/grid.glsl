@@ -15,7 +15,7 @@
 // 2. The ray's origin is moved to where it enters the grid, so that rounding goes with the grid's
 //    size and not with the ray's length.
 // 3. Cells are integers, and their planes are computed, not added up (lib/grid/walk.glsl).
-// 4. A hit counts wherever it lies; the walk ends when the nearest hit is not beyond the cell's end.
+// 4. A hit counts wherever it lies; the walk ends when the nearest is not beyond the cell's end.
 // 5. The triangle test says by how much rounding can have decided (lib/grid/watertight.glsl).
 // 6. Where it can have, twice the digits decide (lib/grid/contest.glsl).
 #pragma once

@@ -94,8 +94,8 @@ struct Winner {
     Pair t;  // of which hit.t is the rounding
 };
 
-// Ties at an equal t go to the first. A t that cannot be told from the interval's end counts as inside
-// and comes out as that end.
+// Ties at an equal t go to the first. A t that cannot be told from the interval's end counts as
+// inside and comes out as that end.
 void settle(Contest contest, Ray ray, INOUT(Winner) winner) {
     int count = is_somebody(contest.second) ? 2 : (is_somebody(contest.first) ? 1 : 0);
     for (int k = 0; k < count; ++k) {
@@ -109,7 +109,8 @@ void settle(Contest contest, Ray ray, INOUT(Winner) winner) {
         if (behind > 0.0) sharp.t = Pair(ray.tmax, 0.0);
         // Rivals come in their order, in later rounds as well: an equal t is too late.
         if (is_hit && is_less(sharp.t, winner.t)) {
-            winner = Winner(Hit(sharp.t.hi, sharp.u, sharp.v, rival.prim_id, rival.inst_id), sharp.t);
+            winner.hit = Hit(sharp.t.hi, sharp.u, sharp.v, rival.prim_id, rival.inst_id);
+            winner.t = sharp.t;
             NOTE_HIT(winner.hit);
         }
     }

@@ -1,8 +1,9 @@
 // One triangle's hit with twice the digits: what decides where rounding leaves open whether, or in
 // which order, surfaces are hit.
 //
-// The same formulas as in lib/grid/watertight.glsl. What these digits cannot tell from an edge counts
-// as on the edge, for both triangles that have it: no ray slips between them, at corners neither.
+// The same formulas as in lib/grid/watertight.glsl. What these digits cannot tell from an edge
+// counts as on the edge, for both triangles that have it: no ray slips between them, at corners
+// neither.
 #pragma once
 #include "lib/grid/walk.glsl"
 #include "lib/grid/watertight.glsl"
@@ -50,9 +51,10 @@ SharpCorner sharp_corner(vec3 org, vec3 org_rest, float lost, Pair shear_x, Pair
     return SharpCorner(sharply_sheared(x, shear_x, z), sharply_sheared(y, shear_y, z), z);
 }
 
-// An edge function; 0 where it is no larger than it can be wrong. x and y are wrong by 8 u^2 of what
-// they are made of (u = half_ulp(); a difference, a quotient, a product, a difference), so two
-// products by that of each factor times the other, and by their own roundings: 32 u^2 is twice that.
+// An edge function; 0 where it is no larger than it can be wrong. x and y are wrong by 8 u^2 of
+// what they are made of (u = half_ulp(); a difference, a quotient, a product, a difference), so two
+// products are by that of each factor times the other, and by their own roundings: 32 u^2 is twice
+// that.
 SharpNumber sharp_edge(SharpCorner from, SharpCorner to) {
     Pair w = pair_product(to.x.value, from.y.value);
     w = normalised(add_product(w, negated(to.y.value), from.x.value));

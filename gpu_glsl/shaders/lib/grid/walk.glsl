@@ -1,10 +1,10 @@
 // Walking a grid without drift: integer cells, and every exit plane computed from its number.
 //
 // Why no cell is lost. A grid is built with each triangle in all cells within kBinningPad of a cell
-// (core/grid/uniform_grid.h). The walk starts where the ray enters the grid, so that its position on
-// each axis is wrong by at most 10 * 2^-24 of the grid's size there (gpu_glsl/README.md adds it up):
-// less than that pad up to 1,600 cells on an axis; core/grid/sizing.h stops at 1,024. So the cell
-// where the walk is at any t names every triangle that the ray meets there.
+// (core/grid/uniform_grid.h). The walk starts where the ray enters the grid, so that its position
+// on each axis is wrong by at most 10 * 2^-24 of the grid's size there (gpu_glsl/README.md adds it
+// up): less than that pad up to 1,600 cells on an axis; core/grid/sizing.h stops at 1,024. So the
+// cell where the walk is at any t names every triangle that the ray meets there.
 #pragma once
 #include "lib/math.glsl"
 #include "lib/ray.glsl"
@@ -82,6 +82,18 @@ Course course_in(Grid grid, LocalRay ray, float t_first, float t_last) {
 float exit_t(int cell, int step, float lower, float edge, float org, float inverse) {
     return (lower + float(step > 0 ? cell + 1 : cell) * edge - org) * inverse;
 }
+float exit_x(Grid grid, Course course, Walk walk) {
+    return exit_t(walk.cell.x, walk.step.x, grid.lower.x, grid.cell.x, course.org.x,
+                  course.inverse.x);
+}
+float exit_y(Grid grid, Course course, Walk walk) {
+    return exit_t(walk.cell.y, walk.step.y, grid.lower.y, grid.cell.y, course.org.y,
+                  course.inverse.y);
+}
+float exit_z(Grid grid, Course course, Walk walk) {
+    return exit_t(walk.cell.z, walk.step.z, grid.lower.z, grid.cell.z, course.org.z,
+                  course.inverse.z);
+}
 
 int start_cell(float position, float cells_per_unit, int dim) {
     return clamp(int(floor(position * cells_per_unit)), 0, dim - 1);
@@ -96,10 +108,8 @@ Walk begin_walk(Grid grid, Course course, float t) {
                       start_cell(at.z - grid.lower.z, grid.cells_per_unit.z, grid.dims.z));
     walk.step = ivec3(course.inverse.x < 0.0 ? -1 : 1, course.inverse.y < 0.0 ? -1 : 1,
                       course.inverse.z < 0.0 ? -1 : 1);
-    walk.t_exit = vec3(
-        exit_t(walk.cell.x, walk.step.x, grid.lower.x, grid.cell.x, course.org.x, course.inverse.x),
-        exit_t(walk.cell.y, walk.step.y, grid.lower.y, grid.cell.y, course.org.y, course.inverse.y),
-        exit_t(walk.cell.z, walk.step.z, grid.lower.z, grid.cell.z, course.org.z, course.inverse.z));
+    walk.t_exit = vec3(exit_x(grid, course, walk), exit_y(grid, course, walk),
+                       exit_z(grid, course, walk));
     return walk;
 }
 
@@ -107,18 +117,16 @@ Walk begin_walk(Grid grid, Course course, float t) {
 bool next_cell(Grid grid, Course course, INOUT(Walk) walk) {
     if (walk.t_exit.x <= walk.t_exit.y && walk.t_exit.x <= walk.t_exit.z) {
         walk.cell.x += walk.step.x;
-        walk.t_exit.x =
-            exit_t(walk.cell.x, walk.step.x, grid.lower.x, grid.cell.x, course.org.x, course.inverse.x);
+        walk.t_exit.x = exit_x(grid, course, walk);
         return walk.cell.x >= 0 && walk.cell.x < grid.dims.x;
     }
     if (walk.t_exit.y <= walk.t_exit.z) {
         walk.cell.y += walk.step.y;
-        walk.t_exit.y =
-            exit_t(walk.cell.y, walk.step.y, grid.lower.y, grid.cell.y, course.org.y, course.inverse.y);
+        walk.t_exit.y = exit_y(grid, course, walk);
         return walk.cell.y >= 0 && walk.cell.y < grid.dims.y;
     }
     walk.cell.z += walk.step.z;
-    walk.t_exit.z = exit_t(walk.cell.z, walk.step.z, grid.lower.z, grid.cell.z, course.org.z, course.inverse.z);
+    walk.t_exit.z = exit_z(grid, course, walk);
     return walk.cell.z >= 0 && walk.cell.z < grid.dims.z;
 }
 
