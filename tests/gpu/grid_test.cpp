@@ -178,6 +178,30 @@ TEST_F(GridStrategy, a_ray_that_starts_on_a_face_and_hardly_leaves_it_is_answere
     expect_no_error(*make("grid/buffer/twin32", shared), shared, rays, "box");
 }
 
+TEST_F(GridStrategy, a_small_thing_in_a_large_mesh_is_seen_as_well_as_alone) {
+    // A ball in a hall 1e5 times its size, in one mesh: seen from the hall's grid the ball is a few
+    // roundings wide, all of its triangles are rivals, and only a closer look tells them apart.
+    Scene scene = *ball_at(vec3(0.0f), 1.0f);
+    Object& mesh = scene.objects.front();
+    const auto first = static_cast<uint32_t>(mesh.positions.size());
+    const Object hall = make_box(8, 8, 8);
+    for (const vec3& p : hall.positions) mesh.positions.push_back(1e5f * (p + vec3(0.2f)));
+    for (const uvec3& t : hall.triangles) mesh.triangles.push_back(t + uvec3(first));
+    mesh.normals.clear();
+    mesh.groups = {{"all", 0, uint32_t(mesh.triangles.size())}};
+    validate(scene);
+    const ScenePtr shared = share(scene);
+    std::vector<Ray> rays;
+    for (uint32_t i = 0; i < first; i += 3) {
+        const vec3& target = mesh.positions[i];
+        const vec3 from = (i % 2 ? 3.0f : 2e4f) * mesh.positions[(i * 7) % first];
+        rays.push_back({from, 0.0f, target - from, kInfinity});
+    }
+    for (const char* entry : {"grid/buffer/twin32", "grid/buffer/fragment"}) {
+        expect_no_error(*make(entry, shared), shared, rays, entry);
+    }
+}
+
 TEST_F(GridStrategy, a_scene_of_any_size_is_as_right_as_one_of_size_1) {
     for (const float scale : {1e-17f, 1e-9f, 1e9f, 1e17f}) {
         const ScenePtr scene = ball_at(scale * vec3(1.0f, -0.3f, 0.7f), scale);

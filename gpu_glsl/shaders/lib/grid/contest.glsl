@@ -94,19 +94,15 @@ struct Winner {
     Pair t;  // of which hit.t is the rounding
 };
 
-// Ties at an equal t go to the first. A t that cannot be told from the interval's end counts as
-// inside and comes out as that end.
+// Ties at an equal t go to the first.
 void settle(Contest contest, Ray ray, INOUT(Winner) winner) {
     int count = is_somebody(contest.second) ? 2 : (is_somebody(contest.first) ? 1 : 0);
     for (int k = 0; k < count; ++k) {
         Rival rival = contest.first;
         if (k == 1) rival = contest.second;
         SharpHit sharp = sharp_hit(ray, rival.inst_id, rival.prim_id);
-        float before = (ray.tmin - sharp.t.hi) - sharp.t.lo;
-        float behind = (sharp.t.hi - ray.tmax) + sharp.t.lo;
-        bool is_hit = sharp.is_hit && before <= sharp.error && behind <= sharp.error;
-        if (before > 0.0) sharp.t = Pair(ray.tmin, 0.0);
-        if (behind > 0.0) sharp.t = Pair(ray.tmax, 0.0);
+        bool is_hit = sharp.is_hit && !is_less(sharp.t, Pair(ray.tmin, 0.0)) &&
+                      !is_less(Pair(ray.tmax, 0.0), sharp.t);
         // Rivals come in their order, in later rounds as well: an equal t is too late.
         if (is_hit && is_less(sharp.t, winner.t)) {
             winner.hit = Hit(sharp.t.hi, sharp.u, sharp.v, rival.prim_id, rival.inst_id);

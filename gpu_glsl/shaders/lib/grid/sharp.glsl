@@ -11,7 +11,6 @@
 struct SharpHit {
     bool is_hit;  // false as well for a ray in the triangle's plane
     Pair t;       // normalised
-    float error;  // of t, at most
     float u;
     float v;
 };
@@ -55,13 +54,13 @@ SharpCorner sharp_corner(vec3 org, vec3 org_rest, float lost, Pair shear_x, Pair
 // what they are made of (u = half_ulp(); a difference, a quotient, a product, a difference), so two
 // products are by that of each factor times the other, and by their own roundings: 32 u^2 is twice
 // that.
-SharpNumber sharp_edge(SharpCorner from, SharpCorner to) {
+Pair sharp_edge(SharpCorner from, SharpCorner to) {
     Pair w = pair_product(to.x.value, from.y.value);
     w = normalised(add_product(w, negated(to.y.value), from.x.value));
     float made_of = (abs(to.x.value.hi) * from.y.made_of + to.x.made_of * abs(from.y.value.hi)) +
                     (abs(to.y.value.hi) * from.x.made_of + to.y.made_of * abs(from.x.value.hi));
-    if (abs(w.hi) <= 32.0 * half_ulp() * half_ulp() * made_of) w = Pair(0.0, 0.0);
-    return SharpNumber(w, made_of);
+    if (abs(w.hi) <= 32.0 * half_ulp() * half_ulp() * made_of) return Pair(0.0, 0.0);
+    return w;
 }
 
 SharpHit sharp_hit(Ray ray, uint inst_id, uint prim_id) {
@@ -98,28 +97,17 @@ SharpHit sharp_hit(Ray ray, uint inst_id, uint prim_id) {
     SharpCorner b = sharp_corner(org, org_rest, lost, shear_x, shear_y, v1);
     SharpCorner c = sharp_corner(org, org_rest, lost, shear_x, shear_y, v2);
 
-    SharpNumber edge0 = sharp_edge(b, c);
-    SharpNumber edge1 = sharp_edge(c, a);
-    SharpNumber edge2 = sharp_edge(a, b);
-    Pair w0 = edge0.value;
-    Pair w1 = edge1.value;
-    Pair w2 = edge2.value;
+    Pair w0 = sharp_edge(b, c);
+    Pair w1 = sharp_edge(c, a);
+    Pair w2 = sharp_edge(a, b);
     bool is_outside = (w0.hi < 0.0 || w1.hi < 0.0 || w2.hi < 0.0) &&
                       (w0.hi > 0.0 || w1.hi > 0.0 || w2.hi > 0.0);
     Pair area = pair_sum(pair_sum(w0, w1), w2);
-    if (is_outside || area.hi == 0.0) return SharpHit(false, Pair(infinity(), 0.0), 0.0, 0.0, 0.0);
+    if (is_outside || area.hi == 0.0) return SharpHit(false, Pair(infinity(), 0.0), 0.0, 0.0);
 
     Pair z = pair_product(w0, a.z.value);
     z = add_product(add_product(z, w1, b.z.value), w2, c.z.value);
     Pair t = pair_quotient(pair_quotient(normalised(z), area), along);
     t = pair_sum(Pair(course.start, 0.0), t);
-
-    // As in lib/grid/watertight.glsl: the weights' error times the depth, and what is done with z.
-    vec3 depths = vec3(a.z.value.hi, b.z.value.hi, c.z.value.hi);
-    float depth = largest(depths) - smallest(depths);
-    float share = (edge0.made_of + edge1.made_of + edge2.made_of) / abs(area.hi);
-    share = lesser(share, 1.0 / (half_ulp() * half_ulp()));
-    float reach = a.z.made_of + b.z.made_of + c.z.made_of;
-    float error = 32.0 * half_ulp() * half_ulp() * (reach + share * depth) / abs(along.hi);
-    return SharpHit(true, t, error, w1.hi / area.hi, w2.hi / area.hi);
+    return SharpHit(true, t, w1.hi / area.hi, w2.hi / area.hi);
 }
