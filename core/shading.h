@@ -35,7 +35,7 @@ struct ShadingScene {
 /// largest absolute coordinate: eight ulps, where a position on a surface and the origin moved off
 /// it err by two together. So it scales with the scene, and far from the world's origin it grows
 /// only as float positions force it to. It does not know how far a camera is from the scene: beyond
-/// some 100 extents the rounding of org + dir * t is larger.
+/// some tens of extents the rounding of org + dir * t is larger.
 float secondary_offset(const Bounds& scene_bounds);
 
 /// What shading needs to know of a hit.

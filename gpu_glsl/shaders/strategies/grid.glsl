@@ -26,6 +26,7 @@
 
 // Enters the triangles of one instance that the ray meets in [t_first, t_last].
 void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Contest) contest) {
+    if (inst_id < contest.next.inst_id) return;  // settled in an earlier round
     LocalRay local = to_instance(inst_id, ray);
     Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
 
@@ -35,6 +36,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Con
     float begin = greater(t_first - course.start, 0.0);
     float end = lesser(t_last - course.start, course.leave);
     if (!(begin <= end)) return;
+    Heat heat = open_heat(contest, inst_id, course.start, ray);
     Shear shear = shear_of(course.org, course.org_rest, course.dir, largest(abs(local.org)));
     Walk walk = begin_walk(grid, course, begin);
 
@@ -49,16 +51,16 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Con
             NOTE_TEST(inst_id, prim_id);
             Crossing crossing;
             if (may_cross(fetch_triangle(grid, prim_id), shear, crossing)) {
-                enter(contest, Rival(inst_id, prim_id), course.start, crossing, ray);
+                enter(heat, prim_id, crossing);
             }
         }
         if (k < list.count) break;  // the driver ended the loop: `done` stays false
         float t_exit = smallest(walk.t_exit);
-        done = !(t_exit < end) || bound_from(contest, course.start) <= t_exit ||
-               !next_cell(grid, course, walk);
+        done = !(t_exit < end) || heat.bound <= t_exit || !next_cell(grid, course, walk);
         if (done) break;
     }
     if (!done) ray_flags |= kFlagExhausted;
+    close_heat(heat, inst_id, course.start, contest);
 }
 
 // ---- The top level -----------------------------------------------------------------------------

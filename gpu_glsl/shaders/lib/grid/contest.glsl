@@ -53,28 +53,70 @@ void reopen(INOUT(Contest) contest, Pair t) {
 
 // The bound as a t from `start` on: a walk may end there.
 float bound_from(Contest contest, float start) {
-    return (contest.bound.hi - start) + contest.bound.lo;
+    const float kTwoUlps = 2.384185791015625e-7;
+    float bound = (contest.bound.hi - start) + contest.bound.lo;
+    return bound + kTwoUlps * abs(bound);
 }
 
-// A triangle that may be hit in `crossing`, seen from `start` on.
-void enter(INOUT(Contest) contest, Rival rival, float start, Crossing crossing, Ray ray) {
-    Pair from = two_sum(start, crossing.from);
-    Pair to = two_sum(start, crossing.to);
-    bool may_win = !is_less(contest.bound, from) && from.hi <= ray.tmax && to.hi >= ray.tmin;
-    if (!may_win || is_before(rival, contest.next)) return;
-    if (is_same(rival, contest.first) || is_same(rival, contest.second)) return;
+// ---- One instance ------------------------------------------------------------------------------
 
-    bool is_sure = crossing.is_sure && from.hi > ray.tmin && to.hi < ray.tmax;
-    if (is_sure && is_less(to, contest.bound)) contest.bound = to;
-    if (is_sure && is_less(to, contest.from)) {
-        // Hit before all others can be.
-        contest.from = from;
-        contest.first = rival;
-        contest.second = nobody();
-        contest.left_out = nobody();
-        return;
+// The contest among the triangles of one instance, while it is walked through: every t is a float,
+// from the walk's start on, and a rival is its number alone, kNoId if there is none.
+struct Heat {
+    float bound;     // as those of Contest
+    float from;
+    uint first;
+    uint second;
+    uint left_out;
+    uint next;
+    float t_first;   // the ray's interval, not shorter than it is ...
+    float t_last;
+    float t_inside;  // ... and not longer
+    float t_before;
+};
+
+Heat open_heat(Contest contest, uint inst_id, float start, Ray ray) {
+    const float kTwoUlps = 2.384185791015625e-7;
+    float t_first = ray.tmin - start;
+    float t_last = ray.tmax - start;
+    float slack_first = kTwoUlps * abs(t_first);
+    float slack_last = t_last < infinity() ? kTwoUlps * abs(t_last) : 0.0;
+    uint next = inst_id == contest.next.inst_id ? contest.next.prim_id : 0u;
+    return Heat(bound_from(contest, start), infinity(), kNoId, kNoId, kNoId, next,
+                t_first - slack_first, t_last + slack_last, t_first + slack_first,
+                t_last - slack_last);
+}
+
+uint lower_of(uint a, uint b) { return b < a ? b : a; }
+uint higher_of(uint a, uint b) { return b < a ? a : b; }
+
+// A triangle that may be hit in `crossing`.
+void enter(INOUT(Heat) heat, uint prim_id, Crossing crossing) {
+    if (crossing.from <= heat.bound && crossing.from <= heat.t_last &&
+        crossing.to >= heat.t_first && prim_id >= heat.next) {
+        bool is_sure =
+            crossing.is_sure && crossing.from > heat.t_inside && crossing.to < heat.t_before;
+        if (is_sure && crossing.to < heat.from) {
+            // Hit before all others can be.
+            heat.from = infinity();
+            heat.first = kNoId;
+            heat.second = kNoId;
+            heat.left_out = kNoId;
+        }
+        if (is_sure) heat.bound = lesser(heat.bound, crossing.to);
+        heat.from = lesser(heat.from, crossing.from);
+        uint rival = prim_id == heat.first || prim_id == heat.second ? kNoId : prim_id;
+        uint moved_on = higher_of(heat.first, rival);
+        heat.first = lower_of(heat.first, rival);
+        heat.left_out = lower_of(heat.left_out, higher_of(heat.second, moved_on));
+        heat.second = lower_of(heat.second, moved_on);
     }
-    if (is_less(from, contest.from)) contest.from = from;
+}
+
+// ---- All instances -----------------------------------------------------------------------------
+
+void add_rival(INOUT(Contest) contest, Rival rival) {
+    if (is_same(rival, contest.first) || is_same(rival, contest.second)) return;
     if (is_before(rival, contest.first)) {
         Rival moved_on = contest.first;
         contest.first = rival;
@@ -86,6 +128,25 @@ void enter(INOUT(Contest) contest, Rival rival, float start, Crossing crossing, 
         rival = moved_on;
     }
     if (is_before(rival, contest.left_out)) contest.left_out = rival;
+}
+
+// Takes over what came out of one instance.
+void close_heat(Heat heat, uint inst_id, float start, INOUT(Contest) contest) {
+    if (heat.first == kNoId) return;
+    Pair from = two_sum(start, heat.from);
+    Pair bound = two_sum(start, heat.bound);
+    if (is_less(contest.bound, from)) return;
+    if (is_less(bound, contest.bound)) contest.bound = bound;
+    if (is_less(bound, contest.from)) {
+        contest.from = from;
+        contest.first = nobody();
+        contest.second = nobody();
+        contest.left_out = nobody();
+    }
+    if (is_less(from, contest.from)) contest.from = from;
+    add_rival(contest, Rival(inst_id, heat.first));
+    if (heat.second != kNoId) add_rival(contest, Rival(inst_id, heat.second));
+    if (heat.left_out != kNoId) add_rival(contest, Rival(inst_id, heat.left_out));
 }
 
 // The nearest hit of the rounds so far.
