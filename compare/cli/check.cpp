@@ -1,6 +1,7 @@
 // onepass check: every strategy against the oracle, ray by ray and pixel by pixel.
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <map>
 #include <memory>
 #include <optional>
@@ -167,6 +168,8 @@ struct CheckRun {
     bool stopped = false;
     std::string attributions = {};            ///< as text
     std::vector<std::string> cast_only = {};  ///< scenes and tracers without an image to compare
+    std::vector<std::string> refusals = {};   ///< scenes that a strategy cannot take, and why
+    std::exception_ptr refused = {};          ///< the last of them
 
     RayRequest ray_request() const {
         return {size.width, size.height, options.rays.camera, session.globals.seed};
@@ -181,18 +184,34 @@ struct CheckRun {
         attributions += attribution_text(comparison.record, attribution);
     }
 
-    /// Judges all answers to one case, the first of them the selected strategies'.
+    /// Null, and a refusal more, if the strategy cannot take the scene: what others have found, or
+    /// will, is kept. Throws: Error where there is no device.
+    std::unique_ptr<Tracer> made(const std::string& name, const CatalogueEntry& entry,
+                                 const ScenePtr& scene, const ParamValues& params) {
+        try {
+            return entry.make(scene, params);
+        } catch (const Error& error) {
+            if (error.kind() == Error::Kind::device) throw;
+            refused = std::current_exception();
+            refusals.push_back(fmt::format("{}, {}: {}", name, entry.info.name, error.what()));
+            return nullptr;
+        }
+    }
+
+    /// Judges all answers to one case, the first of them those of the selected strategies
+    /// `taking_part`.
     void check_hits(const Court& court, const Case& subject, std::span<const CastResult> answers,
-                    std::span<const std::string> tracers, size_t strategies) {
+                    std::span<const std::string> tracers, std::span<const size_t> taking_part) {
         const RaySet& rays = subject.rays;
         auto comparisons = check_answers(court, subject, answers, tracers, hit_options);
         for (size_t i = 0; i < comparisons.size(); ++i) {
             HitComparison& comparison = comparisons[i];
-            comparison.record.reference = i >= strategies;
-            if (options.attribute && i < strategies) {
-                attribute(court, subject, selected[i], comparison);
+            const bool is_checked = i < taking_part.size();
+            comparison.record.reference = !is_checked;
+            if (options.attribute && is_checked) {
+                attribute(court, subject, selected[taking_part[i]], comparison);
             }
-            if (!rays.pixels.empty() && i < strategies) {
+            if (!rays.pixels.empty() && is_checked) {
                 comparison.record.picture = pictures.add(
                     fmt::format("{}_{}_{}_classes", court.open.name, tracers[i], rays.name),
                     class_picture(comparison.classes, rays.pixels, rays.width, rays.height));
@@ -257,6 +276,7 @@ struct CheckRun {
         }
 
         // Every strategy answers.
+        std::vector<size_t> taking_part;
         std::vector<std::string> tracers;
         std::vector<std::vector<CastResult>> answers(cases.size());
         const auto cast_all = [&](Tracer& tracer) {
@@ -268,7 +288,9 @@ struct CheckRun {
         const double steps = static_cast<double>(selected.size() + 1);
         for (size_t s = 0; s < selected.size() && !stopped; ++s) {
             const auto& [entry, params] = selected[s];
-            const std::unique_ptr<Tracer> tracer = entry->make(at_rest, params);
+            const std::unique_ptr<Tracer> tracer = made(court.open.name, *entry, at_rest, params);
+            if (!tracer) continue;
+            taking_part.push_back(s);
             if (frame) tracer->update(transforms);
             results.tracers.push_back(
                 make_tracer_record(court.open.name, *tracer, entry->info, params));
@@ -281,8 +303,12 @@ struct CheckRun {
             stopped = !go_on(progress, static_cast<double>(s + 1) / steps);
         }
 
-        // So does Embree, beside them, and all are judged.
-        const size_t strategies = tracers.size();
+        // Where nobody found anything, the reason is the result.
+        if (refused && taking_part.empty() && results.checks.empty()) {
+            std::rethrow_exception(refused);
+        }
+
+        // Embree answers beside them, and all are judged.
         for (const char* reference : {kFastEmbreeName, kOracleName}) {
             if (std::find(tracers.begin(), tracers.end(), reference) != tracers.end()) continue;
             const CatalogueEntry& entry = session.catalogue.at(reference);
@@ -291,7 +317,7 @@ struct CheckRun {
             cast_all(*embree);
         }
         for (size_t c = 0; c < cases.size(); ++c) {
-            check_hits(court, cases[c], answers[c], tracers, strategies);
+            check_hits(court, cases[c], answers[c], tracers, taking_part);
         }
         if (!stopped) stopped = !go_on(progress, 1.0);
     }
@@ -315,6 +341,7 @@ struct CheckRun {
         for (const std::string& what : cast_only) {
             fmt::print(out, "{}: answers rays only, so there is no image to compare\n", what);
         }
+        for (const std::string& refusal : refusals) fmt::print(out, "refused: {}\n", refusal);
         fmt::print(out, "{}judge: {}\n", attributions, results.manifest.judge);
         if (!results.images.empty()) {
             fmt::print(out, "image bound: {}\n", results.images.front().reason);
@@ -322,7 +349,7 @@ struct CheckRun {
     }
 
     bool passed() const {
-        bool all = true;
+        bool all = refusals.empty();
         for (const CheckRecord& record : results.checks) {
             all &= record.passed || record.reference;
         }

@@ -443,6 +443,23 @@ TEST(Check, takes_one_value_for_each_repeated_option) {
     EXPECT_TRUE(results.checks[2].reference);
 }
 
+TEST(Check, goes_on_without_a_strategy_that_refuses_the_scene) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        onepass_in(folder, {"check", "balls-1", "-s", "paper/texture2d/twin32", "-s", "embree/fast",
+                            "--param", "atlas=16", "--size", "16x16", "--rays", "primary",
+                            "--no-image", "--json", "r.json"});
+    EXPECT_EQ(outcome.exit_code, 1) << "a refusal is no pass";
+    EXPECT_NE(outcome.out.find("refused: balls-1, paper/texture2d/twin32"), std::string::npos)
+        << outcome.out;
+    EXPECT_EQ(read_results(folder.path() / "r.json").checks.size(), 2u);
+
+    expect_refused(folder,
+                   {"check", "balls-1", "-s", "paper/texture2d/twin32", "--param", "atlas=16",
+                    "--size", "16x16", "--no-image"},
+                   "atlas");
+}
+
 TEST(Check, gives_the_same_counts_for_the_same_seed) {
     const TemporaryFolder folder;
     const auto check = with(kSmallCheck, {"--no-image", "--seed", "5", "--json", "-"});
