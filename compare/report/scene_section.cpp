@@ -297,7 +297,7 @@ std::string worst_rays(const SceneDossier& scene) {
            "<thead><tr><th class=\"text\">Tracer, rays</th><th class=\"text\">Class</th>"
            "<th class=\"text\">Its answer</th><th class=\"text\">The oracle’s</th>"
            "<th class=\"text\">The judge’s</th><th>t error, ulps</th><th>Backward error</th>"
-           "<th class=\"text\">The ray: origin, tmin, direction, tmax</th></tr></thead>"
+           "<th class=\"text\">The ray, for onepass explain</th></tr></thead>"
            "<tbody>\n" +
            rows +
            "</tbody></table></div>\n"
@@ -391,8 +391,8 @@ std::string slack_explanation(const Dossier& dossier, const SceneDossier& scene)
 
 std::string ray_text(const Ray& ray) {
     return fmt::format("--ray {},{},{},{},{},{},{},{}", exact(ray.org.x), exact(ray.org.y),
-                       exact(ray.org.z), exact(ray.tmin), exact(ray.dir.x), exact(ray.dir.y),
-                       exact(ray.dir.z), exact(ray.tmax));
+                       exact(ray.org.z), exact(ray.dir.x), exact(ray.dir.y), exact(ray.dir.z),
+                       exact(ray.tmin), exact(ray.tmax));
 }
 
 std::string hit_text(double t, uint32_t prim_id, uint32_t inst_id) {

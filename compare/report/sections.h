@@ -108,7 +108,7 @@ struct CloudAxis {
 };
 CloudAxis cloud_axis(const Cloud& cloud);
 
-/// "--ray 0,0,5,0,0,0,-1,inf": reads back bit-equal. Not escaped.
+/// "--ray 0,0,5,0,0,-1,0,inf", as onepass explain takes it; reads back bit-equal. Not escaped.
 std::string ray_text(const Ray& ray);
 
 /// A hit as a table cell has it: "t 2.25" and the ids, or "miss".

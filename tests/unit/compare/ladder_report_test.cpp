@@ -275,7 +275,7 @@ TEST(LadderPage, gives_each_ladder_its_question_judge_command_reasons_and_worst_
           "<code class=\"copy\">onepass stress translation<",
           "data-chart=\"ladder\" data-ladder=\"0\"", "<code>wrong_surface</code> 12",
           "12 of 4,096<small>0.293\u00a0%", "none of 32,768",
-          "--ray 0.1,0.33333334,2.5,0,0.0625,-0.25,-1,inf</code>"}) {
+          "--ray 0.1,0.33333334,2.5,0.0625,-0.25,-1,0,inf</code>"}) {
         EXPECT_NE(first.find(text), std::string::npos) << text;
     }
     const std::string rungs = between(first, "Every rung", "</table>");
