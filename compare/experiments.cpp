@@ -11,10 +11,10 @@
 #include "compare/frame_timing.h"
 #include "compare/hits.h"
 #include "compare/manifest.h"
-#include "compare/random.h"
 #include "compare/rays.h"
 #include "compare/statistics.h"
 #include "core/error.h"
+#include "core/random.h"
 
 namespace onepass {
 namespace {

@@ -6,9 +6,9 @@
 #include <numeric>
 
 #include "compare/images.h"
-#include "compare/random.h"
 #include "compare/statistics.h"
 #include "core/error.h"
+#include "core/random.h"
 
 namespace onepass {
 namespace {

@@ -11,8 +11,8 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "compare/random.h"
 #include "core/error.h"
+#include "core/random.h"
 
 namespace onepass {
 namespace {

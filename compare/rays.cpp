@@ -8,9 +8,9 @@
 
 #include "compare/hash.h"
 #include "compare/npy.h"
-#include "compare/random.h"
 #include "core/camera.h"
 #include "core/error.h"
+#include "core/random.h"
 #include "core/shading.h"
 
 namespace onepass {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "compare/random.h"
 #include "core/error.h"
+#include "core/random.h"
 
 namespace onepass {
 namespace {

@@ -16,11 +16,12 @@ namespace onepass {
 namespace {
 
 constexpr char kExhausted[] = "exhausted";
+constexpr char kGaveUp[] = "gave_up";  ///< the cast ended with an error
 
 /// One contestant on one rung.
 struct Climber {
     RungRecord record;
-    CastResult answers;  ///< empty after a refusal
+    CastResult answers;  ///< empty after a refusal, or if it gave up
 };
 
 // ---- Casting
@@ -55,11 +56,22 @@ Climber cast_rung(const Rung& rung, const Contestant& contestant, const ScenePtr
     record.label = rung.label;
     record.tracer = contestant.entry->info.name;
     record.setting = params_text(contestant.params);
+    std::unique_ptr<Tracer> tracer;
+    RayBatch batch;
     try {
-        const auto tracer = contestant.entry->make(scene, params_on(rung, contestant));
-        climber.answers = tracer->cast(tracer->upload(rays.rays), {.query = rays.query});
+        tracer = contestant.entry->make(scene, params_on(rung, contestant));
+        batch = tracer->upload(rays.rays);
     } catch (const Error& error) {
+        if (error.kind() == Error::Kind::device) throw;
         record.refusal = gist(error);
+        return climber;
+    }
+    try {
+        climber.answers = tracer->cast(batch, {.query = rays.query});
+    } catch (const Error&) {
+        // It took the work, and so this is no refusal: a twin's fetch out of range, for instance.
+        record.trials = rays.rays.size();
+        record.failures = {{kGaveUp, rays.rays.size()}};
         return climber;
     }
     ONEPASS_CHECK_EQ(climber.answers.hits.size(), rays.rays.size());
@@ -134,7 +146,7 @@ void tally(Climber& climber, size_t index, const Ray& ray, const Verdict& verdic
 
 void judge_rung(const Judge& judge, const RaySet& rays, std::vector<Climber>& climbers) {
     const bool anybody = std::any_of(climbers.begin(), climbers.end(), [](const Climber& climber) {
-        return climber.record.refusal.empty();
+        return !climber.answers.hits.empty();
     });
     if (!anybody) return;
 
@@ -147,7 +159,7 @@ void judge_rung(const Judge& judge, const RaySet& rays, std::vector<Climber>& cl
     // Tally, in the order of the rays.
     for (size_t c = 0; c < climbers.size(); ++c) {
         Climber& climber = climbers[c];
-        if (!climber.record.refusal.empty()) continue;
+        if (climber.answers.hits.empty()) continue;
         size_t not_taken = 0;
         for (size_t i = 0; i < rays.rays.size(); ++i) {
             if (climber.answers.flags[i] & kFlagOracleInvalid) {

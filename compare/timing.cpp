@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numeric>
 
-#include "compare/random.h"
 #include "compare/statistics.h"
 #include "core/error.h"
+#include "core/random.h"
 
 namespace onepass {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "compare/random.h"
 #include "core/error.h"
+#include "core/random.h"
 #include "cpu_ref/embree_tracer.h"
 #include "gpu_glsl/pack/two_level_variants.h"
 #include "gpu_glsl/prepared_strategy.h"

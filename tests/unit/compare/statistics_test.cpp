@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "compare/random.h"
+#include "core/random.h"
 
 namespace onepass {
 namespace {

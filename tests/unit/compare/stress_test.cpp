@@ -191,7 +191,7 @@ TEST(Stress, rays_that_a_tracer_cannot_take_are_neither_trials_nor_failures) {
     EXPECT_EQ(ladder.rungs[1].refusal, "takes 0 of 6 rays");
 }
 
-TEST(Stress, who_throws_for_a_rung_refuses_it_and_the_others_go_on) {
+TEST(Stress, who_cannot_be_made_refuses_and_who_gives_up_later_fails_and_the_others_go_on) {
     Stage stage;
     stage.add("throws", [](FakeTracer&) {
         throw Error({"texture 'cells'", "9 texels", "8", "Make it smaller."});
@@ -205,8 +205,9 @@ TEST(Stress, who_throws_for_a_rung_refuses_it_and_the_others_go_on) {
     const LadderRecord ladder = stage.run(ladder_of({rung_at(1.0)}));
     ASSERT_EQ(ladder.rungs.size(), 3u);
     EXPECT_EQ(ladder.rungs[0].refusal, "texture 'cells': 9 texels");
-    EXPECT_EQ(ladder.rungs[1].refusal, "fetch: texel 9");
-    EXPECT_EQ(ladder.rungs[1].trials, 0u);
+    EXPECT_EQ(ladder.rungs[1].refusal, "");
+    EXPECT_EQ(ladder.rungs[1].trials, 6u);
+    EXPECT_EQ(count_of(ladder.rungs[1], "gave_up"), 6u);
     EXPECT_EQ(ladder.rungs[2].refusal, "");
     EXPECT_EQ(ladder.rungs[2].trials, 6u);
     EXPECT_EQ(breaks_at(ladder, "throws", ""), nullptr);
