@@ -173,6 +173,8 @@ class GpuTracer final : public Tracer {
         // A variant drops the textures and uniforms that it does not need.
         for (const gl::Texture& texture : textures_) {
             program.set_texture(texture.name(), texture, gl::Missing::allowed);
+            if (texture.buffer_id() == 0) continue;
+            program.set_buffer(texture.name() + "_block", texture, gl::Missing::allowed);
         }
         for (const UniformData& uniform : prepared_.inputs.uniforms) {
             std::visit(
@@ -234,6 +236,7 @@ class GpuTracer final : public Tracer {
         add_time(gl::finish_and_time(context_, [&] { gl::draw_fullscreen(program, framebuffer); }),
                  result);
 
+        if (!options.answers) return;
         append_hits(framebuffer, chunk.count, options.counters, result);
     }
 
@@ -254,6 +257,7 @@ class GpuTracer final : public Tracer {
                                      [&] { gl::dispatch(program, uvec3(groups_x, groups_y, 1)); }),
                  result);
 
+        if (!options.answers) return;
         append_hits(hit_buffer, chunk.count, options.counters, result);
     }
 

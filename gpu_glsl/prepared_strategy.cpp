@@ -211,6 +211,7 @@ void pack_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
         prepared.moving.emplace<MovingTopBuffers>(prepared.scene, grid, sizing.top, packed, limits);
     }
     add_packed(prepared, packed);
+    prepared.param_constants.push_back({"one_instance", prepared.scene->instances.size() == 1});
 }
 
 // ---- All structures and storages ---------------------------------------------------------------
@@ -228,6 +229,7 @@ constexpr Packing kPackings[] = {
     {"two_level_grid", "texture2d_copies", two_level_params, pack_two_level_copies},
     {"two_level_grid", "texture2d_virtual", two_level_params, pack_two_level_virtual},
     {"two_level_grid", "buffer", two_level_sizing_params, pack_in_buffers},
+    {"two_level_grid", "ssbo", two_level_sizing_params, pack_in_buffers},
 };
 
 const Packing& find_packing(const gl::StrategyInfo& info, const std::string& storage) {

@@ -90,7 +90,13 @@ Handle make_buffer(size_t bytes, const void* data) {
     GLuint id = 0;
     glGenBuffers(1, &id);
     glBindBuffer(GL_COPY_WRITE_BUFFER, id);
-    glBufferData(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), data, GL_STATIC_DRAW);
+    const auto size = static_cast<GLsizeiptr>(bytes);
+    if (GLAD_GL_VERSION_4_4) {
+        // A buffer that drivers cannot move: else one that is read back may end up in host memory.
+        glBufferStorage(GL_COPY_WRITE_BUFFER, size, data, GL_DYNAMIC_STORAGE_BIT);
+    } else {
+        glBufferData(GL_COPY_WRITE_BUFFER, size, data, GL_STATIC_DRAW);
+    }
     return Handle(id, [](GLuint buffer) { glDeleteBuffers(1, &buffer); });
 }
 

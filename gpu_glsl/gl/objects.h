@@ -103,6 +103,7 @@ class Texture {
     const glm::uvec3& size() const { return size_; }  ///< texels; 1 on axes it lacks
     size_t bytes() const;
     const std::string& name() const { return name_; }
+    GLuint buffer_id() const { return storage_.id(); }  ///< of a buffer texture, else 0
 
   private:
     friend Texture texture_2d(std::string, TexelFormat, uint32_t, uint32_t, const Texels&);
@@ -248,6 +249,10 @@ class Program {
     void set_buffer(const std::string& block, const Buffer& buffer,
                     Missing missing = Missing::error);
 
+    /// The same with the data of a buffer texture.
+    void set_buffer(const std::string& block, const Texture& buffer_texture,
+                    Missing missing = Missing::error);
+
     /// Makes it current, with all its textures and buffers.
     /// Throws: Error naming the samplers and blocks that were given nothing.
     void use() const;
@@ -281,6 +286,7 @@ class Program {
     const Uniform* find_uniform(const std::string& uniform, Missing missing) const;
     const Uniform* typed_uniform(const std::string& uniform, GLenum type, size_t count,
                                  Missing missing) const;
+    void set_block(const std::string& block, GLuint buffer, Missing missing);
     void read_interface();
 
     std::string name_;

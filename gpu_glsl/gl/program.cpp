@@ -305,9 +305,18 @@ void Program::set_texture(const std::string& sampler, const Texture& texture, Mi
 }
 
 void Program::set_buffer(const std::string& block, const Buffer& buffer, Missing missing) {
+    set_block(block, buffer.id(), missing);
+}
+
+void Program::set_buffer(const std::string& block, const Texture& buffer_texture, Missing missing) {
+    ONEPASS_CHECK(buffer_texture.buffer_id() != 0);
+    set_block(block, buffer_texture.buffer_id(), missing);
+}
+
+void Program::set_block(const std::string& block, GLuint buffer, Missing missing) {
     const auto found = std::ranges::find(blocks_, block);
     if (found != blocks_.end()) {
-        buffers_[static_cast<size_t>(found - blocks_.begin())] = buffer.id();
+        buffers_[static_cast<size_t>(found - blocks_.begin())] = buffer;
         return;
     }
     if (missing == Missing::allowed) return;

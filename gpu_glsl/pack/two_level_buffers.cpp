@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "core/error.h"
+#include "core/grid/empty_space.h"
 
 namespace onepass {
 namespace {
@@ -49,24 +51,46 @@ std::vector<uint64_t> starts_of(const std::vector<UniformGrid>& grids, const Cou
     return starts;
 }
 
-/// (first reference, number of them) of every cell.
+/// The words of a grid's cells (shared/grid_buffers_layout.h).
 void put_cells(uint32_t* out, const UniformGrid& grid, uint64_t first_reference) {
     const auto base = static_cast<uint32_t>(first_reference);
+    const RawVector<uint8_t> distances = distance_to_full_cell(grid);
+    tbb::parallel_for(
+        tbb::blocked_range<uint64_t>(0, grid.cell_count(), 1 << 14), [&](const auto& range) {
+            for (uint64_t i = range.begin(); i != range.end(); ++i) {
+                out[i] = distances[i] > 0 ? kEmptyCell | distances[i] : base + grid.cell_begin[i];
+            }
+        });
+}
+
+/// The words of a grid's references.
+void put_references(uint32_t* out, const UniformGrid& grid) {
     tbb::parallel_for(tbb::blocked_range<uint64_t>(0, grid.cell_count(), 1 << 14),
                       [&](const auto& range) {
                           for (uint64_t i = range.begin(); i != range.end(); ++i) {
-                              out[2 * i] = base + grid.cell_begin[i];
-                              out[2 * i + 1] = grid.cell_begin[i + 1] - grid.cell_begin[i];
+                              const uint32_t end = grid.cell_begin[i + 1];
+                              for (uint32_t k = grid.cell_begin[i]; k < end; ++k) {
+                                  out[k] = grid.references[k] | (k + 1 == end ? kLastReference : 0);
+                              }
                           }
                       });
+}
+
+void check_index_range(const char* what, uint64_t count) {
+    if (count <= kLastReference) return;
+    throw Error({.where = "packing grids into buffers",
+                 .got = fmt::format("{} {}", count, what),
+                 .expected = fmt::format("at most {}, which fit in 31 bits", kLastReference),
+                 .remedy = "Lower --param density, or split the scene."});
 }
 
 TextureData pack_cells(const std::vector<UniformGrid>& grids,
                        const std::vector<uint64_t>& first_cell,
                        const std::vector<uint64_t>& first_reference, const TextureLimits& limits) {
-    TextureData cells = make_word_buffer("cells", "cells", first_cell.back(), 2, limits);
+    check_index_range("references", first_reference.back());
+    TextureData cells = make_word_buffer("cells", "cells", first_cell.back(), 1, limits);
     for (size_t k = 0; k < grids.size(); ++k) {
-        put_cells(&cells.words[2 * first_cell[k]], grids[k], first_reference[k]);
+        put_cells(&cells.words[first_cell[k]], grids[k], first_reference[k]);
     }
     return cells;
 }
@@ -77,8 +101,7 @@ TextureData pack_references(const std::vector<UniformGrid>& grids,
     TextureData references =
         make_word_buffer("references", "references", first_reference.back(), 1, limits);
     for (size_t k = 0; k < grids.size(); ++k) {
-        std::copy(grids[k].references.begin(), grids[k].references.end(),
-                  references.words.begin() + static_cast<ptrdiff_t>(first_reference[k]));
+        put_references(&references.words[first_reference[k]], grids[k]);
     }
     return references;
 }
@@ -88,15 +111,16 @@ void put(float* texel, const dvec3& v) {
 }
 
 /// Triangle corners in the frames of their grids: exact.
-TextureData pack_vertices(const Scene& scene, const TwoLevelGrid& grid,
-                          const std::vector<uint64_t>& first_triangle,
-                          const TextureLimits& limits) {
-    TextureData vertices = make_float_buffer("vertices", "triangles",
-                                             first_triangle.back() * kTriangleVertexTexels, limits);
+TextureData pack_triangles(const Scene& scene, const TwoLevelGrid& grid,
+                           const std::vector<uint64_t>& first_triangle,
+                           const TextureLimits& limits) {
+    check_index_range("triangles", first_triangle.back());
+    TextureData triangles = make_float_buffer(
+        "triangles", "triangles", first_triangle.back() * kTriangleVertexTexels, limits);
     for (size_t k = 0; k < scene.objects.size(); ++k) {
         const Object& object = scene.objects[k];
         const GridFrame frame = object_frame(grid.objects[k]);
-        float* const out = &vertices.texels[4 * kTriangleVertexTexels * first_triangle[k]];
+        float* const out = &triangles.texels[4 * kTriangleVertexTexels * first_triangle[k]];
         tbb::parallel_for(tbb::blocked_range<size_t>(0, object.triangles.size(), 1 << 12),
                           [&](const auto& range) {
                               for (size_t i = range.begin(); i != range.end(); ++i) {
@@ -109,7 +133,7 @@ TextureData pack_vertices(const Scene& scene, const TwoLevelGrid& grid,
                               }
                           });
     }
-    return vertices;
+    return triangles;
 }
 
 TextureData pack_grid_frames(const std::vector<UniformGrid>& grids, const TextureLimits& limits) {
@@ -212,11 +236,11 @@ std::vector<GridFrame> object_frames(const TwoLevelGrid& grid) {
 ShaderInputs pack_top_buffers(const Scene& scene, std::span<const Affine> world_from_object,
                               const UniformGrid& top, std::span<const GridFrame> frames,
                               const TextureLimits& limits) {
-    TextureData cells = make_word_buffer("top_cells", "cells", top.cell_count(), 2, limits);
+    TextureData cells = make_word_buffer("top_cells", "cells", top.cell_count(), 1, limits);
     put_cells(cells.words.data(), top, 0);
     TextureData references =
         make_word_buffer("top_references", "references", top.references.size(), 1, limits);
-    std::copy(top.references.begin(), top.references.end(), references.words.begin());
+    put_references(references.words.data(), top);
 
     ShaderInputs inputs;
     inputs.textures.push_back(std::move(cells));
@@ -254,7 +278,7 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, const TwoLevelGrid& g
     };
     add(pack_cells(grids, first_cell, first_reference, limits));
     add(pack_references(grids, first_reference, limits));
-    add(pack_vertices(scene, grid, first_triangle, limits));
+    add(pack_triangles(scene, grid, first_triangle, limits));
     add(pack_grid_frames(grids, limits));
     add(pack_grid_numbers(grids, first_cell, first_triangle, limits));
     add(pack_instance_grids(scene, limits));

@@ -151,4 +151,22 @@ class WordSampler {
     const TextureData* buffer_;
 };
 
+/// A storage block's array of T, read by index: unsigned integers, or vectors of four floats.
+template <class T>
+class StorageSampler : public BufferSampler<typename T::value_type> {
+  public:
+    using BufferSampler<typename T::value_type>::BufferSampler;
+};
+
+template <>
+class StorageSampler<glm::uint> {
+  public:
+    explicit StorageSampler(const TextureData& buffer) : words_(buffer) {}
+
+    glm::uint fetch(int index) const { return words_.fetch(index).x; }
+
+  private:
+    WordSampler words_;
+};
+
 }  // namespace onepass::twin

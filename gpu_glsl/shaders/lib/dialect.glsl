@@ -31,6 +31,10 @@
 #define UBUFFER(name) uniform usamplerBuffer name;
 #define FETCHBUFFER(name, index) texelFetch(name, index)
 
+// The same buffers as storage blocks, for GL 4.3 and later: of `uint` or `vec4`.
+#define STORAGE(block, T, name) layout(std430) readonly buffer block { T name[]; };
+#define FETCHSTORAGE(name, index) name[index]
+
 // What a walk did, for who wants to read it: the twin writes it down, a GPU does not. An inst_id of
 // kNoId stands for the top level; a cell counts from its grid's lower corner; NOTE_HIT says that
 // a hit of a triangle noted before was accepted.

@@ -10,6 +10,13 @@ const int kGridNumberTexels = 2;
 // The corners, in the frame of the object's grid.
 const int kTriangleVertexTexels = 3;
 
+// A word a cell: an empty one has this bit and says how far, in cells, the nearest full one is; a
+// full one is the index of its first reference.
+const uint kEmptyCell = 0x80000000u;
+
+// A word a reference: this bit marks the last one of a list.
+const uint kLastReference = 0x80000000u;
+
 // q = M (p - place) - origin takes the world to the frame of the object's grid. The rows of M, each
 // number as the sum of two floats: the leading parts of the three rows, with the place's
 // coordinates as fourth numbers; then the trailing parts, with the origin's.

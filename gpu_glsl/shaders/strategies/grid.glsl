@@ -1,66 +1,152 @@
 //! strategy: grid
-//! summary: the robust tracer: drift-free two-level grid walk, watertight triangle test
-//! source: after Adinetz & Berezin, c. 2006; Amanatides & Woo 1987; Woop, Benthin & Wald 2013
+//! summary: the robust tracer: drift-free two-level grid walk over empty space, watertight triangles
+//! source: after Adinetz & Berezin, c. 2006; Amanatides & Woo 1987; Cohen & Sheffer 1994; Woop, Benthin & Wald 2013
 //! structure: two_level_grid
-//! storage: buffer
+//! storage: buffer ssbo
 //! entries: fragment compute
-//! gl: 4.0
+//! gl: 4.3
 //! twin: yes
 
-// A grid tracer that loses nothing: the same two levels as the paper's, with every place where
-// rounding could lose, invent or swap a hit closed.
+// A grid tracer that loses nothing and wastes little: the same two levels as the paper's, with every
+// place where rounding could lose, invent or swap a hit closed.
 //
-// 1. All of a grid is stored in the grid's own frame, exactly, and the ray is brought there with
-//    twice the digits (storage/two_level_grid/buffer.glsl).
+// 1. All of a grid is stored in the grid's own frame, exactly, and the ray is brought there in
+//    doubles (storage/two_level_grid/buffer.glsl).
 // 2. The ray's origin is moved to where it enters the grid, so that rounding goes with the grid's
-//    size and not with the ray's length.
-// 3. Cells are integers, and their planes are computed, not added up (lib/grid/walk.glsl).
+//    size and not with the ray's length. From there on all numbers are floats.
+// 3. Cells are integers, their planes are computed, not added up, and empty space is crossed at once
+//    (lib/grid/walk.glsl).
 // 4. A hit counts wherever it lies; the walk ends when the nearest is not beyond the cell's end.
-// 5. The triangle test says by how much rounding can have decided (lib/grid/watertight.glsl).
-// 6. Where it can have, twice the digits decide (lib/grid/contest.glsl).
+// 5. The triangle test says by how much rounding can have decided (lib/triangle/rule_out.glsl).
+// 6. Where it can have, doubles decide (lib/triangle/decide.glsl).
 #pragma once
-#include "lib/grid/contest.glsl"
 #include "lib/grid/walk.glsl"
+#include "lib/triangle/decide.glsl"
+
+CONSTANT(bool, one_instance)  // then there is no top level
+
+// The nearest hit of the instances walked through so far.
+struct Nearest {
+    double t;
+    Hit hit;
+};
+
+bool is_before(uint inst_id, uint prim_id, Hit other) {
+    return inst_id < other.inst_id || (inst_id == other.inst_id && prim_id < other.prim_id);
+}
 
 // ---- The object level --------------------------------------------------------------------------
 
-// Enters the triangles of one instance that the ray meets in [t_first, t_last].
-void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Contest) contest) {
-    if (inst_id < contest.next.inst_id) return;  // settled in an earlier round
-    LocalRay local = to_instance(inst_id, ray);
-    Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
+// t between which the nearest hit lies, from the start of a course on; infinite if there is none.
+struct Bracket {
+    float from;
+    float to;
+};
 
+// A number's two ulps, to be on the safe side of its rounding.
+float two_ulps(float x) { return (4.0 * half_ulp()) * abs(x); }
+
+Bracket bracket_of(double t, float start) {
+    float about = float(t - double(start));
+    if (!(about < infinity())) return Bracket(infinity(), infinity());
+    return Bracket(about - two_ulps(about), about + two_ulps(about));
+}
+
+// Finds the nearest hit on one instance, where the ray meets it in [t_first, t_last].
+//
+// Floats walk and test. They find out which triangle is hit first, but for `open` ones, of which
+// they cannot tell whether they are hit, or before the nearest. There the walk pauses, and doubles
+// decide; in the end they give the answer its digits. (A walk that could decide on its way would pay
+// for it at every test: a software renderer goes through both sides of a branch, and a GPU keeps
+// registers for both.)
+void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nearest) nearest) {
+    Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
     // The course is the same from whichever cell of the top level the instance is met, so that a
     // triangle met twice gives the same t twice; the walk covers the part that was asked for.
-    Course course = course_in(grid, local, contest.start, ray.tmax);
+    Course course = course_in(grid, to_instance(inst_id, ray), ray.tmin, ray.tmax);
     float begin = greater(t_first - course.start, 0.0);
     float end = lesser(t_last - course.start, course.leave);
     if (!(begin <= end)) return;
-    Heat heat = open_heat(contest, inst_id, course.start, ray);
-    Shear shear = shear_of(course.org, course.org_rest, course.dir, largest(abs(local.org)));
+    Sight sight = sight_along(course.ray);
     Walk walk = begin_walk(grid, course, begin);
 
+    // From here on t counts from the start of the course.
+    float t_inside = ray.tmin - course.start;
+    float t_before = ray.tmax - course.start;
+    t_inside += two_ulps(t_inside);
+    t_before -= t_before < infinity() ? two_ulps(t_before) : 0.0;
+    Bracket bracket = bracket_of(nearest.t, course.start);
+    uint found = kNoId;  // the triangle within the bracket, if it is none of `nearest`
+
+    int steps = step_budget(grid);
+    uint cell = fetch_cell(grid, walk.cell);
+    int at = first_reference(cell);
+    bool is_list_done = is_empty_cell(cell);
     bool done = false;
-    for (int steps = step_budget(grid); steps > 0; --steps) {
-        count_cell();
-        NOTE_CELL(inst_id, walk.cell);
-        CellList list = fetch_cell(grid, walk.cell);
-        int k = 0;
-        for (; k < list.count; ++k) {
-            uint prim_id = fetch_triangle_reference(list.first + k);
-            NOTE_TEST(inst_id, prim_id);
-            Crossing crossing;
-            if (may_cross(fetch_triangle(grid, prim_id), shear, crossing)) {
-                enter(heat, prim_id, crossing);
+    const int kMostRounds = 1 << 20;
+    for (int rounds = kMostRounds; rounds > 0; --rounds) {
+        uint open = kNoId;
+        for (; steps > 0;) {
+            // The triangles of this cell.
+            const int kMostReferences = 1 << 30;
+            for (int left = kMostReferences; left > 0 && !is_list_done; --left) {
+                uint reference = fetch_triangle_reference(at);
+                uint prim_id = referenced(reference);
+                NOTE_TEST(inst_id, prim_id);
+                Crossing crossing;
+                bool is_new = prim_id != found;
+                ++at;
+                is_list_done = is_last_reference(reference);
+                if (may_cross(fetch_triangle(grid, prim_id), sight, crossing) && is_new &&
+                    crossing.from <= bracket.to) {
+                    if (crossing.is_sure && crossing.to < bracket.from &&
+                        crossing.from > t_inside && crossing.to < t_before) {
+                        found = prim_id;
+                        bracket = Bracket(crossing.from, crossing.to);
+                    } else {
+                        open = prim_id;
+                        break;
+                    }
+                }
+            }
+            if (open != kNoId || !is_list_done) break;
+
+            // On to the next cell that is full.
+            for (; steps > 0; --steps) {
+                count_cell();
+                NOTE_CELL(inst_id, walk.cell);
+                ivec3 last = last_cell(walk, empty_distance(cell));
+                vec3 t_exit = exit_t(walk, last);
+                done = !(smallest(t_exit) < lesser(end, bracket.to)) ||
+                       !next_cell(grid, last, t_exit, walk);
+                if (done) break;
+                cell = fetch_cell(grid, walk.cell);
+                if (!is_empty_cell(cell)) break;
+            }
+            if (done) break;
+            at = first_reference(cell);
+            is_list_done = false;
+        }
+
+        // Doubles decide, first about what floats found, then about what they left open.
+        int questions = found != kNoId && open != kNoId ? 2 : 1;
+        for (int k = 0; k < questions; ++k) {
+            uint prim_id = k == 0 && found != kNoId ? found : open;
+            if (prim_id != kNoId) {
+                SharpHit sharp = sharp_hit(course.ray, fetch_triangle(grid, prim_id));
+                double t = sharp.t + double(course.start);
+                if (sharp.is_hit && t >= double(ray.tmin) && t <= double(ray.tmax) &&
+                    (t < nearest.t ||
+                     (t == nearest.t && is_before(inst_id, prim_id, nearest.hit)))) {
+                    nearest = Nearest(t, Hit(float(t), sharp.u, sharp.v, prim_id, inst_id));
+                }
             }
         }
-        if (k < list.count) break;  // the driver ended the loop: `done` stays false
-        float t_exit = smallest(walk.t_exit);
-        done = !(t_exit < end) || heat.bound <= t_exit || !next_cell(grid, course, walk);
-        if (done) break;
+        found = nearest.hit.inst_id == inst_id ? nearest.hit.prim_id : kNoId;
+        bracket = bracket_of(nearest.t, course.start);
+        if (open == kNoId) break;
     }
     if (!done) ray_flags |= kFlagExhausted;
-    close_heat(heat, inst_id, course.start, contest);
 }
 
 // ---- The top level -----------------------------------------------------------------------------
@@ -71,14 +157,12 @@ Span span_in_cell(Grid grid, Course course, ivec3 cell) {
     const float kPad = 0.001;  // kBinningPad of core/grid/uniform_grid.h
     vec3 lower = grid.lower + (vec3(cell) - kPad) * grid.cell;
     vec3 upper = grid.lower + (vec3(cell) + (1.0 + kPad)) * grid.cell;
-    vec3 t_lower = (lower - course.org) * course.inverse;
-    vec3 t_upper = (upper - course.org) * course.inverse;
-    return Span(largest(lesser(t_lower, t_upper)), smallest(greater(t_lower, t_upper)));
+    return span_in_box(vec3(course.ray.org), 1.0 / course.dir, lower, upper);
 }
 
-void walk_scene(Ray ray, INOUT(Contest) contest) {
+void walk_scene(Ray ray, INOUT(Nearest) nearest) {
     Grid grid = fetch_top_grid();
-    Course course = course_in(grid, to_top_level(ray), contest.start, ray.tmax);
+    Course course = course_in(grid, to_top_level(ray), ray.tmin, ray.tmax);
     if (!(course.leave >= 0.0)) return;
     Walk walk = begin_walk(grid, course, 0.0);
 
@@ -86,42 +170,43 @@ void walk_scene(Ray ray, INOUT(Contest) contest) {
     for (int steps = step_budget(grid); steps > 0; --steps) {
         count_cell();
         NOTE_CELL(kNoId, walk.cell);
-        CellList list = fetch_top_cell(grid, walk.cell);
-        Span span = span_in_cell(grid, course, walk.cell);
-        // The two levels start their t at different places: give the difference its rounding.
-        const float kRounding = 9.5367431640625e-7;  // 2^-20: eight ulps
-        float slack = kRounding * abs(course.start);
-        int k = 0;
-        for (; k < list.count; ++k) {
-            walk_instance(fetch_instance_reference(list.first + k), ray,
-                          course.start + span.enter - slack, course.start + span.leave + slack,
-                          contest);
+        uint cell = fetch_top_cell(grid, walk.cell);
+        bool is_list_done = is_empty_cell(cell);
+        if (!is_list_done) {
+            Span span = span_in_cell(grid, course, walk.cell);
+            // The two levels start their t at different places: give the difference its rounding.
+            const float kRounding = 9.5367431640625e-7;  // 2^-20: eight ulps
+            float slack = kRounding * abs(course.start);
+            const int kMostReferences = 1 << 30;
+            int at = first_reference(cell);
+            for (int left = kMostReferences; left > 0; --left) {
+                uint reference = fetch_instance_reference(at);
+                ++at;
+                walk_instance(referenced(reference), ray, course.start + span.enter - slack,
+                              course.start + span.leave + slack, nearest);
+                is_list_done = is_last_reference(reference);
+                if (is_list_done) break;
+            }
         }
-        if (k < list.count) break;  // as above
-        float t_exit = smallest(walk.t_exit);
-        done = !(t_exit < course.leave) || bound_from(contest, course.start) <= t_exit ||
-               !next_cell(grid, course, walk);
+        if (!is_list_done) break;  // as above
+        ivec3 last = last_cell(walk, empty_distance(cell));
+        vec3 t_exit = exit_t(walk, last);
+        float bound = bracket_of(nearest.t, course.start).to;
+        done = !(smallest(t_exit) < lesser(course.leave, bound)) ||
+               !next_cell(grid, last, t_exit, walk);
         if (done) break;
     }
     if (!done) ray_flags |= kFlagExhausted;
 }
 
 Hit closest_hit(Ray ray) {
-    Winner winner = Winner(no_hit(), Pair(infinity(), 0.0));
-    if (!is_traceable(ray)) return winner.hit;
-
-    // One round, but where more than two surfaces are closer to each other than rounding. Each
-    // settles at least one of them.
-    const int kMostRounds = 4096;
-    Contest contest = open_contest(ray);
-    bool done = false;
-    for (int rounds = kMostRounds; rounds > 0; --rounds) {
-        walk_scene(ray, contest);
-        settle(contest, ray, winner);
-        done = !is_somebody(contest.left_out);
-        if (done) break;
-        reopen(contest, winner.t);
+    if (!is_traceable(ray)) return no_hit();
+    Nearest nearest = Nearest(double(infinity()), no_hit());
+    if (one_instance) {
+        walk_instance(0u, ray, ray.tmin, ray.tmax, nearest);
+    } else {
+        walk_scene(ray, nearest);
     }
-    if (!done) ray_flags |= kFlagExhausted;
-    return winner.hit;
+    if (is_hit(nearest.hit)) NOTE_HIT(nearest.hit);
+    return nearest.hit;
 }
