@@ -20,7 +20,8 @@ constexpr bool kSanitized = false;
 
 constexpr uint64_t kMiB = uint64_t{1} << 20;
 
-/// What the allocator and threads that begin may take beside what is asked of them.
+/// What the allocator may take beside what is asked of it, and by how much the kernel's counts,
+/// kept a processor each, may be late.
 constexpr uint64_t kUnasked = 3 * kMiB;
 
 bool can_measure() { return !kSanitized && reset_peak_memory().has_value(); }
@@ -28,7 +29,7 @@ bool can_measure() { return !kSanitized && reset_peak_memory().has_value(); }
 TEST(PeakMemory, counts_what_was_written_although_it_was_freed) {
     if (!can_measure()) GTEST_SKIP() << "no peak of resident memory to be had";
     const uint64_t peak = *peak_memory_of([] { std::vector<char>(64 * kMiB, 'x'); });
-    EXPECT_GE(peak, 64 * kMiB);
+    EXPECT_GE(peak + kUnasked, 64 * kMiB);
     EXPECT_LE(peak, 64 * kMiB + kUnasked);
     // From the beginning again.
     EXPECT_LE(*peak_memory_of([] { std::vector<char>(8 * kMiB, 'x'); }), 8 * kMiB + kUnasked);
