@@ -2,10 +2,9 @@
 //
 // A cell's distance is at most one more than that of any of its neighbours, and two passes that
 // apply this in opposite directions are enough. First each row along x by itself (where steps that
-// double take the place of the passes); then the rows of
-// each plane, from the row before, diagonal neighbours included; then the planes, from the nine
-// neighbours in the plane before. Every loop treats all cells of a row alike, which the compiler
-// turns into vector code.
+// double take the place of the passes); then the rows of each plane, from the row before, diagonal
+// neighbours included; then the planes, from the nine neighbours in the plane before. Every loop
+// treats all cells of a row alike, which the compiler turns into vector code.
 #include "core/grid/empty_space.h"
 
 #include <algorithm>
