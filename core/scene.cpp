@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 #include "core/error.h"
 
@@ -293,13 +295,22 @@ uint64_t instanced_triangle_count(const Scene& scene) {
 }
 
 Bounds object_bounds(const Object& object) {
-    Bounds bounds;
-    for (const uvec3& triangle : object.triangles) {
-        bounds.extend(object.positions[triangle.x]);
-        bounds.extend(object.positions[triangle.y]);
-        bounds.extend(object.positions[triangle.z]);
-    }
-    return bounds;
+    constexpr size_t kTrianglesATask = size_t{1} << 14;
+    return tbb::parallel_reduce(
+        tbb::blocked_range<size_t>(0, object.triangles.size(), kTrianglesATask), Bounds{},
+        [&](const auto& range, Bounds bounds) {
+            for (size_t i = range.begin(); i != range.end(); ++i) {
+                const uvec3& triangle = object.triangles[i];
+                bounds.extend(object.positions[triangle.x]);
+                bounds.extend(object.positions[triangle.y]);
+                bounds.extend(object.positions[triangle.z]);
+            }
+            return bounds;
+        },
+        [](Bounds a, const Bounds& b) {
+            a.extend(b);
+            return a;
+        });
 }
 
 std::vector<Bounds> instance_bounds(const Scene& scene) {

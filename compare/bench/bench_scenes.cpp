@@ -72,4 +72,6 @@ std::vector<BenchScene> make_bench_scenes() {
             {"1M", scene_of(bumpy_sphere({.slices = 1000, .stacks = 501}))}};
 }
 
+Scene make_large_bench_scene() { return scene_of(bumpy_sphere({.slices = 2500, .stacks = 2001})); }
+
 }  // namespace onepass

@@ -51,6 +51,20 @@ void top_level_rebuild(benchmark::State& state, uint32_t instances) {
         [&](size_t round) { return embree.recommit_ms(swarm.frames[round]); });
 }
 
+/// The same for the strategy `grid`, which keeps its top level in buffers.
+void top_level_rebuild_buffers(benchmark::State& state, uint32_t instances) {
+    const Swarm swarm = moving_swarm(instances);
+    const TwoLevelSizing sizing;
+    const TwoLevelGrid grid = build_two_level_grid(*swarm.scene, sizing);
+    const MovingTopBuffers moving(swarm.scene, grid, sizing.top,
+                                  pack_two_level_buffers(*swarm.scene, grid, {}), {});
+    EmbreeRecommit embree(*swarm.scene);
+    run_by_turns(
+        state,
+        [&](size_t round) { return time_ms([&] { return moving.plan(swarm.frames[round]); }); },
+        [&](size_t round) { return embree.recommit_ms(swarm.frames[round]); });
+}
+
 void top_level_grid(benchmark::State& state, uint32_t instances) {
     const Swarm swarm = moving_swarm(instances);
     std::vector<std::vector<Bounds>> boxes;
@@ -74,6 +88,7 @@ struct MovingBenchmark {
 
 constexpr MovingBenchmark kBenchmarks[] = {
     {"top_level_rebuild", top_level_rebuild},
+    {"top_level_rebuild_buffers", top_level_rebuild_buffers},
     {"top_level_grid", top_level_grid},
 };
 

@@ -1,34 +1,29 @@
 // From "this primitive overlaps these cells" to lists by cell (internal to core/grid).
 //
-// Two steps. collect_references() asks every primitive for its cells, in parallel over chunks of
-// consecutive primitives. sort_by_cell() orders the result by cell with a stable two-digit counting
-// sort: chunks -> ranges of cells -> cells. Chunks depend on the number of primitives alone and
-// both digits are stable, so the lists are ascending and have the same bits for any number of
-// threads; nothing is atomic in the order, and nothing is sorted afterwards.
+// A stable two-digit counting sort. Primitives are cut into chunks, cells into ranges. Each chunk
+// asks its primitives for their cells and leaves its references ordered by range; then each range
+// collects its own from all chunks and orders them by cell. Where the cuts are depends on the
+// numbers of primitives and cells alone, and both digits are stable, so the lists are ascending and
+// have the same bits for any number of threads; nothing is atomic in the order, and nothing is
+// sorted afterwards.
 #pragma once
 
 #include <algorithm>
 #include <atomic>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include <tbb/parallel_for.h>
 
+#include "core/raw_vector.h"
+
 namespace onepass {
-
-/// A reference on its way to its cell.
-struct CellReference {
-    uint32_t cell;
-    uint32_t primitive;
-};
-
-/// References by chunk of consecutive primitives; ascending by primitive within a chunk.
-using ReferenceChunks = std::vector<std::vector<CellReference>>;
 
 /// CSR, as in UniformGrid.
 struct CellLists {
-    std::vector<uint32_t> cell_begin;
-    std::vector<uint32_t> references;
+    RawVector<uint32_t> cell_begin;
+    RawVector<uint32_t> references;
 };
 
 /// The offsets of a cell's list are 32-bit.
@@ -36,57 +31,103 @@ inline constexpr uint64_t kMaxReferences = 0xFFFFFFFFu;
 
 [[noreturn]] void throw_too_many_references(uint32_t primitives, uint64_t limit);
 
-/// Primitives a chunk: enough to spread over many cores, few enough chunks that their histograms
-/// (sort_by_cell) stay small. A function of the count alone: see the head of this file.
-inline uint32_t primitives_per_chunk(uint32_t primitive_count) {
-    constexpr uint32_t kLeastChunk = 2048;
-    constexpr uint32_t kMostChunks = 256;
-    return std::max(kLeastChunk, primitive_count / kMostChunks + 1);
-}
+/// Chunks of 2^chunk_bits consecutive primitives, ranges of 2^range_bits consecutive cells; the
+/// last of each may be shorter. Together the bits are 32 at most, so that a word holds a reference
+/// of a given chunk in a given range.
+class SortCuts {
+  public:
+    SortCuts(uint32_t primitives, uint64_t cells);
 
-/// Calls cells_of(primitive, emit) for every primitive; it must call emit(first_cell, last_cell)
-/// for each run of cells that the primitive overlaps, each cell once.
-///
-/// Memory: 8 bytes a reference. Throws: Error if there are more than `limit` references.
+    size_t chunk_count() const { return ((uint64_t{primitives_} - 1) >> chunk_bits_) + 1; }
+    uint64_t first_primitive(size_t chunk) const {
+        return std::min(uint64_t{chunk} << chunk_bits_, uint64_t{primitives_});
+    }
+    size_t range_count() const { return ((cells_ - 1) >> range_bits_) + 1; }
+    uint64_t first_cell(size_t range) const {
+        return std::min(uint64_t{range} << range_bits_, cells_);
+    }
+    size_t range_of(uint64_t cell) const { return cell >> range_bits_; }
+
+    uint32_t primitives() const { return primitives_; }
+    uint64_t cells() const { return cells_; }
+
+    /// A reference as it waits in its range, beside others of its chunk.
+    uint32_t word(uint64_t cell, uint64_t primitive) const {
+        return low_bits(cell, range_bits_) << chunk_bits_ | low_bits(primitive, chunk_bits_);
+    }
+    uint32_t cell_in_range(uint32_t word) const { return word >> chunk_bits_; }
+    uint32_t primitive_in_chunk(uint32_t word) const { return low_bits(word, chunk_bits_); }
+
+  private:
+    static uint32_t low_bits(uint64_t value, uint32_t bits) {
+        return static_cast<uint32_t>(value & ((uint64_t{1} << bits) - 1));
+    }
+
+    uint32_t primitives_;
+    uint64_t cells_;
+    uint32_t chunk_bits_;
+    uint32_t range_bits_;
+};
+
+/// A chunk's references as words, range by range, ascending by primitive in each.
+struct ChunkReferences {
+    RawVector<uint32_t> words;
+    std::vector<uint32_t> range_begin;  ///< ranges + 1 entries
+
+    std::span<const uint32_t> of_range(size_t range) const {
+        return std::span(words).subspan(range_begin[range],
+                                        range_begin[range + 1] - range_begin[range]);
+    }
+};
+
+/// Cells that follow each other along a row, and the primitive that overlaps them all.
+struct CellRun {
+    uint32_t first_cell;
+    uint32_t last_cell;
+    uint32_t primitive;
+};
+
+ChunkReferences order_by_range(const SortCuts& cuts, std::span<const CellRun> runs);
+CellLists order_by_cell(const SortCuts& cuts, std::span<const ChunkReferences> chunks);
+
+/// Asks every primitive for its cells. Throws: Error if there are more than `limit` references.
 template <class CellsOf>
-ReferenceChunks collect_references(uint32_t primitive_count, const CellsOf& cells_of,
-                                   uint64_t limit = kMaxReferences) {
-    // The running total is kept roughly, in steps of this many references, so that too many are
-    // noticed before they fill the memory and the threads rarely meet at the counter.
-    constexpr size_t kCountingStep = 1 << 16;
+std::vector<ChunkReferences> collect_references(const SortCuts& cuts, const CellsOf& cells_of,
+                                                uint64_t limit) {
     std::atomic<uint64_t> total = 0;
-
-    const uint32_t per_chunk = primitives_per_chunk(primitive_count);
-    ReferenceChunks chunks((uint64_t{primitive_count} + per_chunk - 1) / per_chunk);
-    tbb::parallel_for(size_t{0}, chunks.size(), [&](size_t k) {
-        std::vector<CellReference>& chunk = chunks[k];
-        size_t counted = 0;
-        const auto count = [&] {
-            total += chunk.size() - counted;
-            counted = chunk.size();
-            if (total > limit) throw_too_many_references(primitive_count, limit);
-        };
-
-        const uint64_t first = k * uint64_t{per_chunk};
-        const uint64_t last = std::min<uint64_t>(first + per_chunk, primitive_count);
-        chunk.reserve(2 * (last - first));
-        for (uint64_t i = first; i < last; ++i) {
-            const uint32_t primitive = static_cast<uint32_t>(i);
-            cells_of(primitive, [&](uint64_t first_cell, uint64_t last_cell) {
-                for (uint64_t cell = first_cell; cell <= last_cell; ++cell) {
-                    chunk.push_back({static_cast<uint32_t>(cell), primitive});
-                }
-                if (chunk.size() - counted >= kCountingStep) count();
+    std::vector<ChunkReferences> chunks(cuts.chunk_count());
+    tbb::parallel_for(size_t{0}, chunks.size(), [&](size_t chunk) {
+        const uint64_t begin = cuts.first_primitive(chunk);
+        const uint64_t end = cuts.first_primitive(chunk + 1);
+        std::vector<CellRun> runs;
+        runs.reserve(2 * (end - begin));
+        uint64_t count = 0;
+        for (uint64_t i = begin; i < end; ++i) {
+            const auto primitive = static_cast<uint32_t>(i);
+            cells_of(primitive, [&](uint64_t first, uint64_t last) {
+                count += last - first + 1;
+                if (count > limit) throw_too_many_references(cuts.primitives(), limit);
+                runs.push_back(
+                    {static_cast<uint32_t>(first), static_cast<uint32_t>(last), primitive});
             });
         }
-        count();
+        if ((total += count) > limit) throw_too_many_references(cuts.primitives(), limit);
+        chunks[chunk] = order_by_range(cuts, runs);
     });
     return chunks;
 }
 
-/// Orders the references by cell, ascending by primitive in each cell. Consumes the chunks.
+/// The lists of all cells. cells_of(primitive, emit) must call emit(first_cell, last_cell) for each
+/// run of cells that the primitive overlaps, each cell once.
 ///
-/// Cost: O(references + cells) time; 8 bytes a reference beside input and result.
-CellLists sort_by_cell(ReferenceChunks chunks, uint64_t cell_count);
+/// Cost:   O(primitives + references + cells) time; 4 bytes a reference beside the result, and 12 a
+///         run for the chunks at work.
+/// Throws: Error if there are more than `limit` references.
+template <class CellsOf>
+CellLists list_by_cell(uint32_t primitives, uint64_t cells, const CellsOf& cells_of,
+                       uint64_t limit = kMaxReferences) {
+    const SortCuts cuts(primitives, cells);
+    return order_by_cell(cuts, collect_references(cuts, cells_of, limit));
+}
 
 }  // namespace onepass

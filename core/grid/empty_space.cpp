@@ -1,17 +1,21 @@
 // The chessboard distance transform, one axis after the other (Rosenfeld & Pfaltz 1968, in 3D).
 //
 // A cell's distance is at most one more than that of any of its neighbours, and two passes that
-// apply this in opposite directions are enough. First each row along x by itself; then the rows of
-// each plane, from the row before, diagonal neighbours included; then the planes, from the nine
-// neighbours in the plane before. All but the first step works on whole rows at a time, every cell
-// of a row alike, which the compiler turns into vector code.
+// apply this in opposite directions are enough. First each row along x by itself (where steps that
+// double take the place of the passes); then the rows of each plane, from the row before, diagonal
+// neighbours included; then the planes, from the nine neighbours in the plane before. Every loop
+// treats all cells of a row alike, which the compiler turns into vector code.
 #include "core/grid/empty_space.h"
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
+#include <vector>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+
+#include "core/error.h"
 
 namespace onepass {
 namespace {
@@ -28,24 +32,60 @@ struct Distances {
     uint8_t* row(size_t y, size_t z) const { return cells + dims.x * (y + dims.y * z); }
 };
 
-uint8_t one_more(uint8_t distance, uint8_t greatest) {
-    return distance < greatest ? static_cast<uint8_t>(distance + 1) : greatest;
+/// By value, unlike std::min, and written so that g++ 12 finds the vector instruction.
+uint8_t least(uint8_t a, uint8_t b) { return a < b ? a : b; }
+uint8_t least(uint8_t a, uint8_t b, uint8_t c) { return least(least(a, b), c); }
+
+/// distance + step, but at most `greatest`, which is no less than `step`.
+uint8_t advance(uint8_t distance, uint8_t step, uint8_t greatest) {
+    return static_cast<uint8_t>(least(distance, static_cast<uint8_t>(greatest - step)) + step);
 }
 
-/// Distances within the row: 0 for full cells, then one more from cell to cell, both ways.
-void measure_row(const UniformGrid& grid, const Distances& distances, size_t y, size_t z) {
+uint8_t one_more(uint8_t distance, uint8_t greatest) { return advance(distance, 1, greatest); }
+
+/// A row with as many cells of the greatest distance on both sides as the longest step takes.
+class PaddedRow {
+  public:
+    PaddedRow(size_t count, uint8_t greatest) : cells_(count + 2 * kLongestStep, greatest) {}
+    uint8_t* data() { return cells_.data() + kLongestStep; }
+
+    static constexpr uint8_t kLongestStep = 128;
+
+  private:
+    std::vector<uint8_t> cells_;
+};
+
+/// to[x] is the least that `from` allows for cells x - step, x and x + step.
+void approach_by_step(uint8_t* __restrict to, const uint8_t* __restrict from, size_t count,
+                      uint8_t step, uint8_t greatest) {
+    const uint8_t* const left = from - step;
+    const uint8_t* const right = from + step;
+    for (size_t x = 0; x < count; ++x) {
+        to[x] = least(from[x], advance(least(left[x], right[x]), step, greatest));
+    }
+}
+
+/// Distances within the row. Steps of 1, 2, 4, ... add up to every distance, each step taken by all
+/// cells at once.
+void measure_row(const UniformGrid& grid, const Distances& distances, size_t y, size_t z,
+                 PaddedRow& scratch_a, PaddedRow& scratch_b) {
+    const auto [cells, dims, greatest] = distances;
     uint8_t* const row = distances.row(y, z);
-    const uint32_t* const begin = grid.cell_begin.data() + (row - distances.cells);
-    const uint8_t greatest = distances.greatest;
-    uint8_t distance = greatest;
-    for (size_t x = 0; x < distances.dims.x; ++x) {
-        distance = begin[x] != begin[x + 1] ? uint8_t{0} : one_more(distance, greatest);
-        row[x] = distance;
+    const uint32_t* const begin = grid.cell_begin.data() + (row - cells);
+    const size_t count = dims.x;
+    if (begin[0] == begin[count]) {
+        std::fill_n(row, count, greatest);
+        return;
     }
-    for (size_t x = distances.dims.x; x-- > 0;) {
-        distance = std::min(row[x], one_more(distance, greatest));
-        row[x] = distance;
+    uint8_t* now = scratch_a.data();
+    uint8_t* next = scratch_b.data();
+    for (size_t x = 0; x < count; ++x) now[x] = begin[x] != begin[x + 1] ? uint8_t{0} : greatest;
+    for (size_t step = 1; step < count && step <= std::min(greatest, PaddedRow::kLongestStep);
+         step *= 2) {
+        approach_by_step(next, now, count, static_cast<uint8_t>(step), greatest);
+        std::swap(now, next);
     }
+    std::copy_n(now, count, row);
 }
 
 /// Each cell of `row` is at most one more than the three of `beside` at x - 1, x and x + 1. The
@@ -53,16 +93,16 @@ void measure_row(const UniformGrid& grid, const Distances& distances, size_t y, 
 void approach_row(uint8_t* __restrict row, const uint8_t* __restrict beside, size_t count,
                   uint8_t greatest) {
     if (count == 1) {
-        row[0] = std::min(row[0], one_more(beside[0], greatest));
+        row[0] = least(row[0], one_more(beside[0], greatest));
         return;
     }
-    row[0] = std::min(row[0], one_more(std::min(beside[0], beside[1]), greatest));
+    row[0] = least(row[0], one_more(least(beside[0], beside[1]), greatest));
     for (size_t x = 1; x + 1 < count; ++x) {
-        const uint8_t nearest = std::min(std::min(beside[x - 1], beside[x]), beside[x + 1]);
-        row[x] = std::min(row[x], one_more(nearest, greatest));
+        const uint8_t nearest = least(beside[x - 1], beside[x], beside[x + 1]);
+        row[x] = least(row[x], one_more(nearest, greatest));
     }
     const size_t last = count - 1;
-    row[last] = std::min(row[last], one_more(std::min(beside[last - 1], beside[last]), greatest));
+    row[last] = least(row[last], one_more(least(beside[last - 1], beside[last]), greatest));
 }
 
 /// Distances within plane z, from those within its rows.
@@ -82,7 +122,7 @@ void least_of_rows(const Distances& distances, size_t y, size_t z, uint8_t* __re
     const uint8_t* const below = y > 0 ? distances.row(y - 1, z) : middle;
     const uint8_t* const above = y + 1 < distances.dims.y ? distances.row(y + 1, z) : middle;
     for (size_t x = 0; x < distances.dims.x; ++x) {
-        nearest[x] = std::min(std::min(below[x], middle[x]), above[x]);
+        nearest[x] = least(below[x], middle[x], above[x]);
     }
 }
 
@@ -103,12 +143,15 @@ void approach_plane(const Distances& distances, size_t z, size_t beside) {
 }  // namespace
 
 RawVector<uint8_t> distance_to_full_cell(const UniformGrid& grid, uint8_t greatest) {
+    ONEPASS_CHECK_LT(0, greatest);
     RawVector<uint8_t> cells(grid.cell_count());
     const Distances distances{cells.data(), grid.dims, greatest};
 
     // Along x, then along y: planes on their own.
     tbb::parallel_for(uint32_t{0}, grid.dims.z, [&](uint32_t z) {
-        for (uint32_t y = 0; y < grid.dims.y; ++y) measure_row(grid, distances, y, z);
+        PaddedRow a(grid.dims.x, greatest);
+        PaddedRow b(grid.dims.x, greatest);
+        for (uint32_t y = 0; y < grid.dims.y; ++y) measure_row(grid, distances, y, z, a, b);
         measure_plane(distances, z);
     });
 

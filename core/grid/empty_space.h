@@ -12,9 +12,9 @@
 namespace onepass {
 
 /// For each cell the Chebyshev distance (the largest of the three coordinate differences), in
-/// cells, to the nearest cell that has references, but at most `greatest`: 0 for a full cell, 1 for
-/// an empty one with a full neighbour among its 26. From an empty cell with distance d all cells
-/// less than d away, those outside the grid included, are empty.
+/// cells, to the nearest cell that has references, but at most `greatest` (1 or more): 0 for a full
+/// cell, 1 for an empty one with a full neighbour among its 26. From an empty cell with distance d
+/// all cells less than d away, those outside the grid included, are empty.
 ///
 /// Layout: as UniformGrid::cell_begin, one byte a cell.
 /// Cost:   O(cells) time, parallel; 1 byte a cell, the result, and a row of cells a task.

@@ -1,11 +1,14 @@
 // The two grid builders: over boxes (instances) and over triangles.
 #include "core/grid/uniform_grid.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
 
 #include "core/error.h"
 #include "core/grid/binning.h"
@@ -30,15 +33,28 @@ void check_boxes(std::span<const Bounds> boxes) {
     }
 }
 
+/// The first vertex that is not finite, or the number of vertices.
+size_t first_not_finite(const std::vector<vec3>& positions) {
+    constexpr size_t kVerticesATask = size_t{1} << 15;
+    return tbb::parallel_reduce(
+        tbb::blocked_range<size_t>(0, positions.size(), kVerticesATask), positions.size(),
+        [&](const auto& range, size_t first) {
+            for (size_t i = range.begin(); i < std::min(range.end(), first); ++i) {
+                if (!is_finite(positions[i])) first = i;
+            }
+            return first;
+        },
+        [](size_t a, size_t b) { return std::min(a, b); });
+}
+
 void check_positions(const Object& object) {
-    for (size_t i = 0; i < object.positions.size(); ++i) {
-        const vec3& p = object.positions[i];
-        if (is_finite(p)) continue;
-        throw Error({.where = fmt::format("object '{}', vertex {}", object.name, i),
-                     .got = fmt::format("({}, {}, {})", p.x, p.y, p.z),
-                     .expected = "finite coordinates",
-                     .remedy = "Remove or mend the vertex."});
-    }
+    const size_t i = first_not_finite(object.positions);
+    if (i == object.positions.size()) return;
+    const vec3& p = object.positions[i];
+    throw Error({.where = fmt::format("object '{}', vertex {}", object.name, i),
+                 .got = fmt::format("({}, {}, {})", p.x, p.y, p.z),
+                 .expected = "finite coordinates",
+                 .remedy = "Remove or mend the vertex."});
 }
 
 void check_primitive_count(size_t count, const std::string& where) {
@@ -49,7 +65,7 @@ void check_primitive_count(size_t count, const std::string& where) {
                  .remedy = "Remove empty objects; split those that are too large."});
 }
 
-/// Sizes the grid, collects what cells_of(frame, primitive, emit) emits, and sorts it.
+/// Sizes the grid and lists what cells_of(frame, primitive, emit) emits by cell.
 template <class CellsOf>
 UniformGrid build_grid(const Bounds& bounds, size_t primitive_count, const GridSizing& sizing,
                        const CellsOf& cells_of) {
@@ -58,10 +74,9 @@ UniformGrid build_grid(const Bounds& bounds, size_t primitive_count, const GridS
     grid.dims = grid_resolution(grid.bounds, primitive_count, sizing);
 
     const CellFrame frame = cell_frame(grid.bounds, grid.dims);
-    ReferenceChunks chunks = collect_references(
-        static_cast<uint32_t>(primitive_count),
-        [&](uint32_t primitive, auto&& emit) { cells_of(frame, primitive, emit); });
-    CellLists lists = sort_by_cell(std::move(chunks), grid.cell_count());
+    CellLists lists =
+        list_by_cell(static_cast<uint32_t>(primitive_count), grid.cell_count(),
+                     [&](uint32_t primitive, auto&& emit) { cells_of(frame, primitive, emit); });
     grid.cell_begin = std::move(lists.cell_begin);
     grid.references = std::move(lists.references);
     return grid;

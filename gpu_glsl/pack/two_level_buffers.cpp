@@ -209,10 +209,15 @@ TextureData pack_instance_rows(const Scene& scene, std::span<const Affine> world
                                std::span<const GridFrame> frames, const TextureLimits& limits) {
     TextureData rows = make_float_buffer("instance_rows", "instances",
                                          world_from_object.size() * kInstanceRowTexels, limits);
-    for (size_t i = 0; i < world_from_object.size(); ++i) {
-        put_instance_rows(&rows.texels[4 * kInstanceRowTexels * i], world_from_object[i],
-                          frames[scene.instances[i].object]);
-    }
+    constexpr size_t kInstancesATask = 512;
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, world_from_object.size(), kInstancesATask),
+                      [&](const auto& range) {
+                          for (size_t i = range.begin(); i != range.end(); ++i) {
+                              put_instance_rows(&rows.texels[4 * kInstanceRowTexels * i],
+                                                world_from_object[i],
+                                                frames[scene.instances[i].object]);
+                          }
+                      });
     return rows;
 }
 

@@ -242,20 +242,85 @@ TEST(BoxGrid, refuses_empty_and_infinite_boxes_and_names_them) {
 
 TEST(CellLists, refuse_more_references_than_their_limit_and_say_the_remedy) {
     const auto ten_each = [](uint32_t, auto&& emit) { emit(0, 9); };
-    EXPECT_EQ(collect_references(100, ten_each, 1000).front().size(), 1000u);
-    const std::string message = error_of([&] { collect_references(101, ten_each, 1000); });
+    EXPECT_EQ(list_by_cell(100, 10, ten_each, 1000).references.size(), 1000u);
+    const std::string message = error_of([&] { list_by_cell(101, 10, ten_each, 1000); });
     EXPECT_NE(message.find("more than 1000 references from 101 primitives"), std::string::npos)
         << message;
     EXPECT_NE(message.find("Lower the density"), std::string::npos) << message;
 }
 
-TEST(CellLists, notice_too_many_references_of_one_primitive_before_they_fill_the_memory) {
+TEST(CellLists, add_up_the_references_of_all_primitives_before_they_refuse) {
+    const auto one_each = [](uint32_t, auto&& emit) { emit(0, 0); };
+    EXPECT_EQ(list_by_cell(50'000, 1, one_each, 50'000).references.size(), 50'000u);
+    EXPECT_THROW(list_by_cell(50'000, 1, one_each, 49'999), Error);
+}
+
+TEST(CellLists, notice_too_many_references_of_one_primitive_at_once) {
     size_t rows = 0;
     const auto endless_rows = [&](uint32_t, auto&& emit) {
         for (; rows < 20'000; ++rows) emit(0, 999);
     };
-    EXPECT_THROW(collect_references(1, endless_rows, 1000), Error);
+    EXPECT_THROW(list_by_cell(1, 1000, endless_rows, 1000), Error);
     EXPECT_LT(rows, 100u);
+}
+
+/// What is asked of lists: by cell, then by primitive; written plainly.
+CellLists listed_plainly(uint32_t primitives, uint64_t cells,
+                         const std::function<std::pair<uint64_t, uint64_t>(uint32_t)>& run_of) {
+    std::vector<std::vector<uint32_t>> by_cell(cells);
+    for (uint32_t i = 0; i < primitives; ++i) {
+        const auto [first, last] = run_of(i);
+        for (uint64_t cell = first; cell <= last; ++cell) by_cell[cell].push_back(i);
+    }
+    CellLists lists;
+    lists.cell_begin.push_back(0);
+    for (const std::vector<uint32_t>& list : by_cell) {
+        lists.references.insert(lists.references.end(), list.begin(), list.end());
+        lists.cell_begin.push_back(static_cast<uint32_t>(lists.references.size()));
+    }
+    return lists;
+}
+
+TEST(CellLists, hold_every_run_whatever_chunks_and_ranges_it_crosses) {
+    // Numbers on both sides of where a chunk or a range ends, and runs across several ranges.
+    for (const uint32_t primitives : {1u, 2048u, 2049u, 700'000u}) {
+        for (const uint64_t cells :
+             {uint64_t{1}, uint64_t{1024}, uint64_t{1025}, uint64_t{9000}, uint64_t{3'000'001}}) {
+            const auto run_of = [&](uint32_t i) {
+                const uint64_t first = (i * uint64_t{2'654'435'761}) % cells;
+                const uint64_t length = i % 5000 == 0 ? 4000 : i % 3;
+                return std::pair(first, std::min(first + length, cells - 1));
+            };
+            const CellLists lists = list_by_cell(primitives, cells, [&](uint32_t i, auto&& emit) {
+                const auto [first, last] = run_of(i);
+                emit(first, last);
+            });
+            const CellLists expected = listed_plainly(primitives, cells, run_of);
+            EXPECT_TRUE(lists.cell_begin == expected.cell_begin) << primitives << ", " << cells;
+            EXPECT_TRUE(lists.references == expected.references) << primitives << ", " << cells;
+        }
+    }
+}
+
+TEST(CellLists, fit_a_reference_into_a_word_at_any_size) {
+    for (const uint32_t primitives : {1u, 1'000'000u, 100'000'000u, kNoId - 1}) {
+        for (const uint64_t cells : {uint64_t{1}, uint64_t{1} << 24, kMaxCells - 1, kMaxCells}) {
+            const SortCuts cuts(primitives, cells);
+            for (const uint64_t cell : {uint64_t{0}, cells / 3, cells - 1}) {
+                for (const uint64_t i :
+                     {uint64_t{0}, primitives / uint64_t{3}, uint64_t{primitives} - 1}) {
+                    const size_t range = cuts.range_of(cell);
+                    ASSERT_LT(range, cuts.range_count());
+                    size_t chunk = 0;
+                    while (cuts.first_primitive(chunk + 1) <= i) ++chunk;
+                    ASSERT_LT(chunk, cuts.chunk_count());
+                    const uint32_t word = cuts.word(cell, i);
+                    EXPECT_EQ(cuts.first_cell(range) + cuts.cell_in_range(word), cell);
+                    EXPECT_EQ(cuts.first_primitive(chunk) + cuts.primitive_in_chunk(word), i);
+                }
+            }
+        }
+    }
 }
 
 TEST(TwoLevelGrid, holds_one_grid_an_object_and_one_over_the_instances) {
