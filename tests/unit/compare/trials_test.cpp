@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -333,6 +334,31 @@ TEST(Trials, a_tracer_that_refuses_a_scene_says_why) {
     const RungRecord rung = self_hits(1.0f).run(one.setup, {}).rungs.at(0);
     EXPECT_EQ(rung.trials, 0u);
     EXPECT_EQ(rung.refusal, "its buffers: too much");
+}
+
+TEST(Trials, a_cast_that_ends_with_an_error_fails_every_ray_of_the_rung) {
+    const Sabotage out_of_range{.spoils = [](const Scene&, const Ray&, Hit&, uint32_t&) {
+        throw Error({"fetch", "texel 9", "8 at most", ""});
+    }};
+    for (const StressExperiment& trial :
+         {self_hits(1.0f), closed(ball), change_trial(title(), two_balls, {far_instance(10.0)}),
+          invalid_ray_trial(title(), ball)}) {
+        const RungRecord rung = run(trial, out_of_range).rungs.at(0);
+        EXPECT_EQ(rung.trials, kRays);
+        EXPECT_EQ(failures(rung, "gave_up"), kRays);
+        EXPECT_EQ(rung.refusal, "");
+    }
+}
+
+TEST(Trials, a_cast_that_ends_with_an_error_takes_back_what_was_counted_before) {
+    const Sabotage second_cast{
+        .spoils = [casts = std::make_shared<size_t>(0)](const Scene&, const Ray&, Hit&, uint32_t&) {
+            if (++*casts > kRays) throw Error({"fetch", "texel 9", "8 at most", ""});
+        }};
+    const RungRecord rung = run(closed(ball), second_cast).rungs.at(0);
+    EXPECT_EQ(rung.trials, kRays);
+    EXPECT_EQ(failures(rung, "gave_up"), kRays);
+    EXPECT_EQ(rung.failures.size(), 1u);
 }
 
 }  // namespace
