@@ -116,6 +116,28 @@ TEST(SelfHitTrial, an_offset_that_leads_across_another_surface_leaks) {
     EXPECT_GT(failures(beyond, "leak"), beyond.trials / 4);
 }
 
+TEST(SelfHitTrial, the_offset_in_use_knows_how_far_the_eye_is) {
+    const auto from = [](float distance) {
+        return self_hit_trial(title(),
+                              {{.knob = 1.0, .make_scene = ball, .view_distance = distance}});
+    };
+    for (const float distance : {1e1f, 1e2f, 1e3f, 1e4f}) {
+        const RungRecord rung = run(from(distance)).rungs[0];
+        EXPECT_GT(rung.trials, kRays / 2);
+        EXPECT_EQ(rung.failed(), 0u) << distance << " sizes away";
+    }
+}
+
+TEST(SelfHitTrial, an_offset_that_grows_with_the_way_leaks_where_it_is_longer_than_a_gap_is_wide) {
+    const Sabotage blind{.drops = [](const Hit& hit) { return hit.prim_id >= 8; }};
+    const RungRecord rung =
+        run(self_hit_trial(title(),
+                           {{.knob = 1.0, .make_scene = narrow_gap, .view_distance = 200.0f}}),
+            blind)
+            .rungs[0];
+    EXPECT_GT(failures(rung, "leak"), rung.trials / 4);
+}
+
 // ---- Closed meshes
 
 StressExperiment closed(std::function<Scene()> make_scene) {
