@@ -1,6 +1,7 @@
 #include "compare/manifest.h"
 
 #include <chrono>
+#include <filesystem>
 #include <fstream>
 
 #include <fmt/chrono.h>
@@ -15,6 +16,10 @@ namespace onepass {
 Manifest make_manifest(std::vector<std::string> arguments, uint64_t seed) {
     Manifest manifest;
     manifest.arguments = std::move(arguments);
+    if (!manifest.arguments.empty()) {
+        std::string& program = manifest.arguments.front();
+        program = std::filesystem::path(program).filename().string();
+    }
     manifest.time_utc = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
     manifest.commit = kBuildCommit;
     manifest.dirty = kBuildDirty;

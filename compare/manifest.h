@@ -12,6 +12,7 @@
 namespace onepass {
 
 /// The part of a manifest that this module can know; the caller adds GL, Embree and the judge.
+/// Of the program, the first of `arguments`, its file name is kept: where it lay says nothing.
 Manifest make_manifest(std::vector<std::string> arguments, uint64_t seed);
 
 /// Hash of the running executable's bytes; "unknown" where the system does not show them.

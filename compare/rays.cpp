@@ -53,7 +53,7 @@ vec2 disk_point(Random& random) {
     }
 }
 
-/// Calls emit(pixel, incoming ray, surface point, offset origin) for each primary hit, in order.
+/// Calls emit(pixel, incoming ray, surface point) for each primary hit, in order.
 template <class Emit>
 void for_each_primary_hit(const Scene& scene, Tracer& oracle, const RaySet& primary, Emit&& emit) {
     const ShadingScene shading(scene);
@@ -61,8 +61,7 @@ void for_each_primary_hit(const Scene& scene, Tracer& oracle, const RaySet& prim
     for (size_t i = 0; i < primary.rays.size(); ++i) {
         if (!cast.hits[i].is_hit()) continue;
         const SurfacePoint point = surface_point(shading, primary.rays[i], cast.hits[i]);
-        const vec3 origin = point.position + point.geometric_normal * shading.ray_offset;
-        emit(primary.pixels[i], primary.rays[i], point, origin);
+        emit(primary.pixels[i], primary.rays[i], point);
     }
 }
 
@@ -70,29 +69,27 @@ RaySet diffuse_rays(const Scene& scene, Tracer& oracle, const RayRequest& reques
     RaySet primary = primary_rays(scene, request, true);
     RaySet set;
     Random random(request.seed);
-    for_each_primary_hit(scene, oracle, primary,
-                         [&](uint32_t pixel, const Ray&, const SurfacePoint& point, vec3 origin) {
-                             const vec2 disk = disk_point(random);
-                             const vec3 dir =
-                                 cosine_direction(point.geometric_normal, disk.x, disk.y);
-                             set.rays.push_back(Ray{origin, 0.0f, dir, kInfinity});
-                             set.pixels.push_back(pixel);
-                         });
+    for_each_primary_hit(
+        scene, oracle, primary, [&](uint32_t pixel, const Ray&, const SurfacePoint& point) {
+            const vec2 disk = disk_point(random);
+            const vec3 dir = cosine_direction(point.geometric_normal, disk.x, disk.y);
+            set.rays.push_back(Ray{point.origin, 0.0f, dir, kInfinity});
+            set.pixels.push_back(pixel);
+        });
     return set;
 }
 
 RaySet reflection_rays(const Scene& scene, Tracer& oracle, const RayRequest& request) {
     RaySet primary = primary_rays(scene, request, true);
     RaySet set;
-    for_each_primary_hit(
-        scene, oracle, primary,
-        [&](uint32_t pixel, const Ray& ray, const SurfacePoint& point, vec3 origin) {
-            const vec3 incoming = glm::normalize(ray.dir);
-            const vec3 n = point.geometric_normal;
-            const vec3 dir = incoming - n * (2.0f * glm::dot(incoming, n));
-            set.rays.push_back(Ray{origin, 0.0f, dir, kInfinity});
-            set.pixels.push_back(pixel);
-        });
+    for_each_primary_hit(scene, oracle, primary,
+                         [&](uint32_t pixel, const Ray& ray, const SurfacePoint& point) {
+                             const vec3 incoming = glm::normalize(ray.dir);
+                             const vec3 n = point.geometric_normal;
+                             const vec3 dir = incoming - n * (2.0f * glm::dot(incoming, n));
+                             set.rays.push_back(Ray{point.origin, 0.0f, dir, kInfinity});
+                             set.pixels.push_back(pixel);
+                         });
     return set;
 }
 
@@ -101,11 +98,11 @@ RaySet shadow_rays(const Scene& scene, Tracer& oracle, const RayRequest& request
     RaySet set;
     set.query = Query::any;
     for_each_primary_hit(scene, oracle, primary,
-                         [&](uint32_t pixel, const Ray&, const SurfacePoint& point, vec3 origin) {
+                         [&](uint32_t pixel, const Ray&, const SurfacePoint& point) {
                              for (const PointLight& light : scene.lights) {
-                                 const vec3 to_light = light.position - origin;
+                                 const vec3 to_light = light.position - point.origin;
                                  if (glm::dot(to_light, point.geometric_normal) <= 0.0f) continue;
-                                 set.rays.push_back(Ray{origin, 0.0f, to_light, 1.0f});
+                                 set.rays.push_back(Ray{point.origin, 0.0f, to_light, 1.0f});
                                  set.pixels.push_back(pixel);
                              }
                          });

@@ -7,16 +7,13 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "compare/experiments.h"
 #include "compare/hits.h"
 #include "compare/rays.h"
+#include "compare/rungs.h"
 #include "core/error.h"
 
 namespace onepass {
 namespace {
-
-constexpr char kExhausted[] = "exhausted";
-constexpr char kGaveUp[] = "gave_up";  ///< the cast ended with an error
 
 /// One contestant on one rung.
 struct Climber {
@@ -43,19 +40,9 @@ bool takes_part(const Rung& rung, const Contestant& contestant) {
            });
 }
 
-std::string gist(const Error& error) {
-    const Error::Parts& parts = error.parts();
-    return fmt::format("{}: {}", parts.where, parts.got);
-}
-
 Climber cast_rung(const Rung& rung, const Contestant& contestant, const ScenePtr& scene,
                   const RaySet& rays) {
-    Climber climber;
-    RungRecord& record = climber.record;
-    record.knob = rung.knob;
-    record.label = rung.label;
-    record.tracer = contestant.entry->info.name;
-    record.setting = params_text(contestant.params);
+    Climber climber{empty_record(rung.knob, rung.label, contestant), {}};
     std::unique_ptr<Tracer> tracer;
     RayBatch batch;
     try {
@@ -63,15 +50,13 @@ Climber cast_rung(const Rung& rung, const Contestant& contestant, const ScenePtr
         batch = tracer->upload(rays.rays);
     } catch (const Error& error) {
         if (error.kind() == Error::Kind::device) throw;
-        record.refusal = gist(error);
+        climber.record.refusal = refusal_text(error);
         return climber;
     }
     try {
         climber.answers = tracer->cast(batch, {.query = rays.query});
     } catch (const Error&) {
-        // It took the work, and so this is no refusal: a twin's fetch out of range, for instance.
-        record.trials = rays.rays.size();
-        record.failures = {{kGaveUp, rays.rays.size()}};
+        give_up(climber.record, rays.rays.size());
         return climber;
     }
     ONEPASS_CHECK_EQ(climber.answers.hits.size(), rays.rays.size());
@@ -112,21 +97,6 @@ std::vector<Verdict> judge_ray(const Judge& judge, const Ray& ray, Query query, 
         if (!climbers[c].answers.hits.empty()) verdicts[c] = *next++;
     }
     return verdicts;
-}
-
-Hit true_hit(const Verdict& verdict) {
-    return {.t = static_cast<float>(verdict.true_t),
-            .prim_id = verdict.true_prim_id,
-            .inst_id = verdict.true_inst_id};
-}
-
-void add_failure(RungRecord& record, std::string_view kind) {
-    for (FailureCount& failure : record.failures) {
-        if (failure.kind != kind) continue;
-        ++failure.count;
-        return;
-    }
-    record.failures.push_back({std::string(kind), 1});
 }
 
 /// Counts one answer. `index` and `ray` are kept if it is the worst failure so far.

@@ -43,7 +43,8 @@ struct StressExperiment {
 
 /// Casts the rays of every rung with every contestant and judges every answer.
 ///
-/// A ray fails once: kind "exhausted" if the tracer flags kFlagExhausted, else its error class.
+/// A ray fails once: kind "exhausted" if the tracer flags kFlagExhausted, else its error class;
+/// "gave_up" if the cast ended with an error.
 /// Ties and edges are counted apart and never fail. Rays that a tracer flags kFlagOracleInvalid are
 /// no trials; RungRecord::refusal says how many. A contestant that throws Error for a rung refuses
 /// it, so make sure beforehand that its device is there; one that has none of the rung's parameters

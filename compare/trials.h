@@ -1,6 +1,7 @@
 // Trials: what `onepass stress` asks of tracers beside ladders whose every ray is judged alike.
 // Each looks at answers in its own way (a start from a hit, a march through a mesh, an answer
-// before and after a change), and fills a ladder's record with what went wrong.
+// before and after a change), and fills a ladder's record with what went wrong. Where a cast ends
+// with an error, all rays of the rung fail as "gave_up".
 //
 // Knows tracers and judges as compare/stress.h hands them in; scenes come from the caller.
 #pragma once

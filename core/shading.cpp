@@ -14,6 +14,11 @@ float secondary_offset(const Bounds& scene_bounds) {
            scene_bounds.magnitude() * kShareOfCoordinates;
 }
 
+float offset_at(const ShadingScene& scene, const Ray& ray, float t) {
+    const vec3 way = glm::abs(ray.dir * t);
+    return scene.ray_offset + std::max({way.x, way.y, way.z}) * kOffsetOfWay;
+}
+
 ShadingScene::ShadingScene(const Scene& s) : scene(&s) {
     for (const Object& object : s.objects) object_boxes_.push_back(object_bounds(object));
     std::vector<Affine> world_from_object;
@@ -53,6 +58,7 @@ SurfacePoint surface_point(const ShadingScene& scene, const Ray& ray, const Hit&
     if (glm::dot(point.geometric_normal, ray.dir) > 0.0f) {
         point.geometric_normal = -point.geometric_normal;
     }
+    point.origin = point.position + point.geometric_normal * offset_at(scene, ray, hit.t);
 
     point.shading_normal = point.geometric_normal;
     if (!object.normals.empty()) {

@@ -18,7 +18,7 @@ namespace onepass {
 struct ShadingScene {
     const Scene* scene = nullptr;
     std::vector<Affine> object_from_world;  ///< one an instance
-    float ray_offset = 0.0f;                ///< see secondary_offset
+    float ray_offset = 0.0f;                ///< secondary_offset() of the scene
 
     explicit ShadingScene(const Scene& s);
 
@@ -29,20 +29,32 @@ struct ShadingScene {
     std::vector<Bounds> object_boxes_;
 };
 
-/// The distance by which a secondary ray's origin leaves its surface, along the normal.
+/// The distance by which a secondary ray's origin leaves its surface, along the normal: the scene's
+/// share of it. The other is that of the way to the surface, offset_at().
 ///
 /// 2^-17 of the scene's largest extent, which stays far below anything visible, plus 2^-20 of its
 /// largest absolute coordinate: eight ulps, where a position on a surface and the origin moved off
 /// it err by two together. So it scales with the scene, and far from the world's origin it grows
-/// only as float positions force it to. It does not know how far a camera is from the scene: beyond
-/// some tens of extents the rounding of org + dir * t is larger.
+/// only as float positions force it to.
 float secondary_offset(const Bounds& scene_bounds);
+
+/// The way's share of the offset: of the largest component of dir * t.
+///
+/// With u = 2^-24, half an ulp of 1, org + dir * t is off by at most 3 u of that component on each
+/// axis, u by the product and 2 u by a t that is an ulp off: 5.2 u in space. Sixteen leave as much
+/// again and more for a tracer's t. (The sum rounds a coordinate of the scene, which has its own
+/// share.)
+constexpr float kOffsetOfWay = 0x1p-20f;
+
+/// How far secondary rays start off the surface that `ray` met at `t`.
+float offset_at(const ShadingScene& scene, const Ray& ray, float t);
 
 /// What shading needs to know of a hit.
 struct SurfacePoint {
     vec3 position{0.0f};
     vec3 geometric_normal{0.0f};  ///< unit, turned towards the ray's origin
     vec3 shading_normal{0.0f};    ///< unit, on the same side as the geometric normal
+    vec3 origin{0.0f};            ///< of secondary rays: the position, moved off the surface
     const Material* material = nullptr;
 };
 
@@ -92,16 +104,15 @@ ShadedPath shade_path(const ShadingScene& scene, Ray ray, const RenderSettings& 
         const SurfacePoint point = surface_point(scene, ray, hit);
         if (depth == 0) path.normal = point.shading_normal;
         const vec3 to_eye = glm::normalize(-ray.dir);
-        const vec3 origin = point.position + point.geometric_normal * scene.ray_offset;
         vec3 direct = point.material->diffuse * scene.scene->ambient;
         for (const PointLight& light : scene.scene->lights) {
-            const vec3 to_light = light.position - origin;
+            const vec3 to_light = light.position - point.origin;
             const vec3 contribution = phong(*point.material, point.shading_normal,
                                             glm::normalize(to_light), to_eye, light.intensity);
             if (contribution == vec3(0.0f)) continue;
             if (settings.shadows) {
                 ++path.rays;
-                if (occluded(Ray{origin, 0.0f, to_light, 1.0f})) continue;
+                if (occluded(Ray{point.origin, 0.0f, to_light, 1.0f})) continue;
             }
             direct += contribution;
         }
@@ -114,7 +125,7 @@ ShadedPath shade_path(const ShadingScene& scene, Ray ray, const RenderSettings& 
         weight *= reflectivity;
         const vec3 n = point.shading_normal;
         const vec3 incoming = -to_eye;
-        ray = Ray{origin, 0.0f, incoming - n * (2.0f * glm::dot(incoming, n)), kInfinity};
+        ray = Ray{point.origin, 0.0f, incoming - n * (2.0f * glm::dot(incoming, n)), kInfinity};
     }
 }
 

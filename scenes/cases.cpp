@@ -11,19 +11,6 @@
 namespace onepass {
 namespace {
 
-/// One object in one instance, with a camera that sees it and a lamp there.
-Scene scene_of(const std::string& name, Object object) {
-    Scene scene;
-    scene.name = name;
-    scene.objects.push_back(std::move(object));
-    scene.instances.push_back({.name = name, .object = 0, .materials = {0}});
-    scene.materials.push_back({});
-    scene.cameras.push_back(automatic_camera(scene_bounds(scene)));
-    scene.lights.push_back({.name = "lamp", .position = scene.cameras[0].world_from_camera[3]});
-    validate(scene);
-    return scene;
-}
-
 /// Uniform in [low, high).
 float uniform(Random& random, float low, float high) { return low + (high - low) * random.unit(); }
 
@@ -49,7 +36,7 @@ Scene make_verify_sphere() {
     Object sphere = make_sphere(kVerifyDivisions, kVerifyDivisions);
     for (vec3& p : sphere.positions) p = p * kVerifyRadius + kVerifyCentre;
     sphere.normals.clear();
-    return scene_of("verify sphere", std::move(sphere));
+    return in_one_instance("verify sphere", std::move(sphere));
 }
 
 /// Origins in the cube of side 2 about the centre, which the sphere of radius 2 contains.
@@ -68,7 +55,7 @@ std::vector<Ray> rays_in_verify_sphere(const Scene&, size_t count, uint64_t seed
 Scene make_verify_plane() {
     Object plane = make_grid(kVerifyDivisions, kVerifyDivisions);
     for (vec3& p : plane.positions) p = kVerifyCentre + kVerifySide * vec3(-p.y, p.x, p.z);
-    return scene_of("verify plane", std::move(plane));
+    return in_one_instance("verify plane", std::move(plane));
 }
 
 std::vector<Ray> rays_at_verify_plane(const Scene&, size_t count, uint64_t seed) {
@@ -125,7 +112,7 @@ Scene make_displaced_sphere(uint32_t divisions) {
     Object sphere = make_sphere(divisions, divisions);
     for (vec3& p : sphere.positions) p *= uniform(random, kLeastRadius, kLargestRadius);
     sphere.normals.clear();
-    return scene_of("displaced sphere", std::move(sphere));
+    return in_one_instance("displaced sphere", std::move(sphere));
 }
 
 vec3 uniform_in_ball(Random& random, float radius) {
@@ -371,7 +358,8 @@ Ladder subdivided_square() {
                   .rungs = {}};
     for (uint32_t triangles = 4; triangles <= 65536; triangles *= 4) {
         const auto make_scene = [triangles] {
-            return scene_of("subdivided square", make_subdivided_square(triangles, kShapeSeed));
+            return in_one_instance("subdivided square",
+                                   make_subdivided_square(triangles, kShapeSeed));
         };
         ladder.rungs.push_back({.knob = static_cast<double>(triangles),
                                 .label = {},

@@ -71,4 +71,7 @@ Affine shear_x_by_y(float factor);
 /// it stay: it places legs, rails and other lathes of height 1.
 Affine spanning(const vec3& from, const vec3& to);
 
+/// A scene of this object: one instance of one matte material, a camera that sees it, a lamp there.
+Scene in_one_instance(const std::string& name, Object object);
+
 }  // namespace onepass

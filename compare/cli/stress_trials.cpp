@@ -13,18 +13,6 @@ namespace {
 
 // ---- Scenes
 
-Scene in_one_instance(const std::string& name, Object object) {
-    Scene scene;
-    scene.name = name;
-    scene.objects.push_back(std::move(object));
-    scene.instances.push_back({.name = name, .object = 0, .materials = {0}});
-    scene.materials.push_back({});
-    scene.cameras.push_back(automatic_camera(scene_bounds(scene)));
-    scene.lights.push_back({.name = "lamp", .position = scene.cameras[0].world_from_camera[3]});
-    validate(scene);
-    return scene;
-}
-
 Scene make_ball(uint32_t slices, uint32_t stacks) {
     return in_one_instance("ball", make_sphere(slices, stacks));
 }

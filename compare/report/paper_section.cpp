@@ -420,6 +420,7 @@ std::string streaming_section(const Dossier& dossier) {
 std::string deviation_section(const Dossier& dossier) {
     const DeviationTally tally = deviation_tally(dossier);
     if (tally.counts.empty()) return {};
+    if (tally.tracers.empty() && !is_reproduction(dossier)) return {};
     std::string html =
         "<section id=\"deviations\">\n<h2>Deviations</h2>\n"
         "<p>As printed, the paper’s text cannot run. D1 to D7 of "

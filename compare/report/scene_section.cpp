@@ -397,7 +397,8 @@ std::string ray_text(const Ray& ray) {
 
 std::string hit_text(double t, uint32_t prim_id, uint32_t inst_id) {
     if (inst_id == kNoId) return "miss";
-    return fmt::format("t {:.9g}<small>triangle {}<br>instance {}</small>", t, prim_id, inst_id);
+    return fmt::format("t\u00a0{:.9g}<small>triangle {}<br>instance {}</small>", t, prim_id,
+                       inst_id);
 }
 
 std::string scene_section(const Dossier& dossier, const SceneDossier& scene) {

@@ -29,7 +29,8 @@ std::string motion_section(const Dossier& dossier);
 /// Tracers that take several passes a frame: passes and bytes.
 std::string streaming_section(const Dossier& dossier);
 
-/// Where the tracers depart from the paper's text, and the wrong rays that each place costs.
+/// Where the tracers depart from the paper's text, and the wrong rays that each place costs. Empty
+/// unless some run is a reproduction or attributed its wrong rays.
 std::string deviation_section(const Dossier& dossier);
 
 /// What was compared, on what, and one sentence of verdict a scene.

@@ -1,5 +1,6 @@
 // The first section: what was compared, on what, and one verdict a scene.
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include <fmt/format.h>
@@ -78,6 +79,69 @@ std::string key_figures(const Dossier& dossier) {
         html += key_figure(fmt::format("{} of {}", passed, checks), "checks passed");
     }
     return html + "</dl>\n";
+}
+
+/// What one tracer answered over all scenes and kinds of rays.
+struct Total {
+    std::string tracer;  ///< its label
+    bool reference = false;
+    std::set<std::string> scenes{};
+    uint64_t rays = 0, exhausted = 0, judged = 0;
+    std::array<uint64_t, kHitClassCount> classes{};
+};
+
+/// One a tracer, in the order of first appearance; Embree's own rows last.
+std::vector<Total> totals(const Dossier& dossier) {
+    std::vector<Entry<CheckRecord>> all;
+    for (const auto list : {&SceneDossier::checks, &SceneDossier::references}) {
+        for (const SceneDossier& scene : dossier.scenes) {
+            all.insert(all.end(), (scene.*list).begin(), (scene.*list).end());
+        }
+    }
+    std::vector<Total> totals;
+    for (const auto& check : all) {
+        const std::string name = label(all, check);
+        auto total = std::find_if(totals.begin(), totals.end(),
+                                  [&](const Total& other) { return other.tracer == name; });
+        if (total == totals.end()) {
+            total = totals.insert(totals.end(), {.tracer = name, .reference = check->reference});
+        }
+        total->scenes.insert(check->scene);
+        total->rays += check->ray_count;
+        total->exhausted += check->exhausted;
+        total->judged += check->judged;
+        for (size_t c = 0; c < kHitClassCount; ++c) total->classes[c] += check->classes[c].count;
+    }
+    return totals;
+}
+
+/// The classes of every tracer over all scenes: a tracer may have been checked on fewer of them.
+std::string totals_table(const Dossier& dossier) {
+    const std::vector<Total> rows = totals(dossier);
+    if (dossier.scenes.size() < 2 || rows.empty()) return {};
+    std::string html =
+        "<h3>All scenes together</h3>\n"
+        "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"All scenes "
+        "together\"><table class=\"classes\"><thead><tr>" +
+        heading_cell("Tracer", "text") + heading_cell("scenes") + heading_cell("rays");
+    for (size_t c = 0; c < kHitClassCount; ++c) {
+        const auto hit_class = static_cast<HitClass>(c);
+        html += heading_cell(breakable(to_string(hit_class)), is_error(hit_class) ? "error" : "");
+    }
+    html += heading_cell("exhausted") + heading_cell("judged") + "</tr></thead>\n<tbody>\n";
+    for (const Total& total : rows) {
+        const auto count = [](uint64_t value, bool bad) {
+            return cell(grouped(value), value == 0 ? "zero" : bad ? "bad" : "");
+        };
+        html += fmt::format("<tr{}><th scope=\"row\">{}</th>",
+                            total.reference ? " class=\"oracle\"" : "", escape(total.tracer));
+        html += cell(grouped(total.scenes.size())) + cell(grouped(total.rays));
+        for (size_t c = 0; c < kHitClassCount; ++c) {
+            html += count(total.classes[c], is_error(static_cast<HitClass>(c)));
+        }
+        html += count(total.exhausted, true) + cell(grouped(total.judged)) + "</tr>\n";
+    }
+    return html + "</tbody></table></div>\n<h3>Scene by scene</h3>\n";
 }
 
 std::string verdict_row(const SceneDossier& scene) {
@@ -189,7 +253,7 @@ std::string summary_section(const Dossier& dossier) {
     }
     if (dossier.scenes.empty()) return html + "</section>\n";
     html += scope_paragraph(dossier);
-    html += key_figures(dossier);
+    html += key_figures(dossier) + totals_table(dossier);
     html += "<ul class=\"verdicts\">\n";
     for (const SceneDossier& scene : dossier.scenes) html += verdict_row(scene);
     return html + "</ul>\n</section>\n";

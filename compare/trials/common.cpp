@@ -2,9 +2,6 @@
 
 #include <cmath>
 
-#include <fmt/format.h>
-
-#include "compare/experiments.h"
 #include "core/error.h"
 #include "core/random.h"
 
@@ -69,7 +66,13 @@ dvec3 outward_normal(const Scene& scene, uint32_t inst_id, uint32_t prim_id) {
 
 CastResult cast_closest(Tracer& tracer, const std::vector<Ray>& rays) {
     if (rays.empty()) return {};
-    CastResult result = tracer.cast(tracer.upload(rays), {});
+    const RayBatch batch = tracer.upload(rays);
+    CastResult result;
+    try {
+        result = tracer.cast(batch, {});
+    } catch (const Error&) {
+        throw GaveUp{};
+    }
     ONEPASS_CHECK_EQ(result.hits.size(), rays.size());
     ONEPASS_CHECK_EQ(result.flags.size(), rays.size());
     return result;
@@ -84,22 +87,10 @@ JudgedCast cast_and_judge(Tracer& tracer, const Judge& judge, const std::vector<
     return judged;
 }
 
-void add_failure(RungRecord& record, std::string_view kind) {
-    for (FailureCount& failure : record.failures) {
-        if (failure.kind != kind) continue;
-        ++failure.count;
-        return;
-    }
-    record.failures.push_back({std::string(kind), 1});
-}
-
 void keep_first(RungRecord& record, size_t index, const Ray& ray, const Hit& answer,
                 const Verdict& verdict) {
     if (record.worst) return;
-    const Hit truth{.t = static_cast<float>(verdict.true_t),
-                    .prim_id = verdict.true_prim_id,
-                    .inst_id = verdict.true_inst_id};
-    record.worst = WorstRay{index, ray, answer, truth, verdict};
+    record.worst = WorstRay{index, ray, answer, true_hit(verdict), verdict};
 }
 
 LadderRecord empty_record(const TrialTitle& title) {
@@ -112,19 +103,6 @@ LadderRecord empty_record(const TrialTitle& title) {
             .judge = {},
             .command = {},
             .rungs = {}};
-}
-
-RungRecord empty_record(double knob, const std::string& label, const Contestant& contestant) {
-    RungRecord record;
-    record.knob = knob;
-    record.label = label;
-    record.tracer = contestant.entry->info.name;
-    record.setting = params_text(contestant.params);
-    return record;
-}
-
-std::string gist(const Error& error) {
-    return fmt::format("{}: {}", error.parts().where, error.parts().got);
 }
 
 }  // namespace onepass::trials

@@ -2,17 +2,16 @@
 #pragma once
 
 #include <array>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include <tbb/parallel_for.h>
 
+#include "compare/rungs.h"
 #include "compare/trials.h"
 #include "core/error.h"
 
 namespace onepass::trials {
-
-inline constexpr char kExhausted[] = "exhausted";
 
 /// Rays from uniform directions, `distance` diagonals of the scene's box from its centre, to
 /// uniform points of the box; the share `at_corners` of them to corners of uniform triangles
@@ -30,12 +29,14 @@ struct JudgedCast {
     CastResult cast;
     std::vector<Verdict> verdicts;
 };
-/// Cost: parallel; a judgement a ray.
+/// Cost: parallel; a judgement a ray. Throws: as cast_closest().
 JudgedCast cast_and_judge(Tracer& tracer, const Judge& judge, const std::vector<Ray>& rays);
 
-CastResult cast_closest(Tracer& tracer, const std::vector<Ray>& rays);
+/// Thrown where a cast ends with an Error, which is a failure; an Error before that is a refusal.
+struct GaveUp {};
 
-void add_failure(RungRecord& record, std::string_view kind);
+/// Throws: GaveUp; Error if the tracer cannot take the rays.
+CastResult cast_closest(Tracer& tracer, const std::vector<Ray>& rays);
 
 /// The first failure of a record, to be shown as its worst ray.
 void keep_first(RungRecord& record, size_t index, const Ray& ray, const Hit& answer,
@@ -43,12 +44,6 @@ void keep_first(RungRecord& record, size_t index, const Ray& ray, const Hit& ans
 
 /// The record of a trial without its rungs.
 LadderRecord empty_record(const TrialTitle& title);
-
-/// A rung's record for a contestant, before anything is counted.
-RungRecord empty_record(double knob, const std::string& label, const Contestant& contestant);
-
-/// What of an Error a record's `refusal` says.
-std::string gist(const Error& error);
 
 /// Counts casts of contestants on rungs, for the progress of a trial.
 class Steps {
@@ -64,8 +59,9 @@ class Steps {
     size_t done_ = 0;
 };
 
-/// Calls work(contestant, record) for each contestant and appends the records; an Error is a
-/// refusal, unless there is no device at all. False, appending nothing, if it was asked to stop.
+/// Calls work(contestant, record) for each contestant and appends the records. After GaveUp all of
+/// the rung's rays have failed; an Error is a refusal, unless there is no device at all. False,
+/// appending nothing, if it was asked to stop.
 template <class Work>
 bool for_each_contestant(const StressSetup& setup, double knob, const std::string& label,
                          LadderRecord& ladder, Steps& step, const Work& work) {
@@ -75,10 +71,13 @@ bool for_each_contestant(const StressSetup& setup, double knob, const std::strin
         RungRecord& record = records.emplace_back(empty_record(knob, label, contestant));
         try {
             work(contestant, record);
+        } catch (const GaveUp&) {
+            record = empty_record(knob, label, contestant);
+            give_up(record, setup.rays);
         } catch (const Error& error) {
             if (error.kind() == Error::Kind::device) throw;
             record = empty_record(knob, label, contestant);
-            record.refusal = gist(error);
+            record.refusal = refusal_text(error);
         }
     }
     ladder.rungs.insert(ladder.rungs.end(), records.begin(), records.end());

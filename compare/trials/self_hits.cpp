@@ -20,24 +20,28 @@ struct Departure {
     size_t primary = 0;  ///< index of the ray that found the surface
     Hit from;
     Ray ray;
+    vec3 way{0.0f};               ///< of the primary ray, to the surface
     bool behind = false;          ///< starts on or behind the plane of its triangle
     std::optional<Ray> way_back;  ///< from its origin to the surface; none where they are one point
 };
 
-/// Positions on a surface err by some ulps of the largest coordinate on the way there: what is
-/// crossed nearer than this to the surface is the surface.
-constexpr double kPositionUlps = 8.0;
+double largest(const vec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
-/// What share of the way back is not within the rounding of where the surface is.
-double clear_share(const Ray& way_back) {
-    const vec3 size = glm::max(glm::abs(way_back.org), glm::abs(way_back.org + way_back.dir));
-    const double largest = std::max({size.x, size.y, size.z});
-    const double rounding = kPositionUlps * 0x1p-23 * largest;
+/// Positions on a surface err by some ulps of the largest coordinate there, and along the way by
+/// the rounding of its length (kOffsetOfWay, core/shading.h: 5.2 u, which may put them beside the
+/// triangle that was hit). What is crossed nearer than this to the surface is the surface.
+constexpr double kPositionUlps = 8.0;
+constexpr double kWayRounding = 5.2 * 0x1p-24;
+
+/// What share of the way back is not within the rounding of where the surface is; `way` led there.
+double clear_share(const Ray& way_back, const vec3& way) {
+    const double coordinate = std::max(largest(way_back.org), largest(way_back.org + way_back.dir));
+    const double rounding = kPositionUlps * 0x1p-23 * coordinate + kWayRounding * largest(way);
     return 1.0 - rounding / glm::length(dvec3(way_back.dir));
 }
 
 /// The secondary rays of one primary hit that truly lead away from its surface.
-void depart(const ShadingScene& shading, float offset, size_t index, const Ray& primary,
+void depart(const ShadingScene& shading, float offset_factor, size_t index, const Ray& primary,
             const Hit& hit, std::vector<Departure>& departures) {
     const Scene& scene = *shading.scene;
     const auto [a, b, c] = world_corners(scene, hit.inst_id, hit.prim_id);
@@ -45,10 +49,12 @@ void depart(const ShadingScene& shading, float offset, size_t index, const Ray& 
     const double side = glm::dot(plane, dvec3(primary.dir)) < 0.0 ? 1.0 : -1.0;
 
     const SurfacePoint point = surface_point(shading, primary, hit);
+    const float offset = offset_at(shading, primary, hit.t) * offset_factor;
     const vec3 origin = point.position + point.geometric_normal * offset;
     const auto add = [&](const vec3& dir, float tmax) {
         if (!(side * glm::dot(plane, dvec3(dir)) > 0.0)) return;
-        Departure departure{index, hit, Ray{origin, 0.0f, dir, tmax}, false, {}};
+        Departure departure{index, hit, Ray{origin, 0.0f, dir, tmax}, primary.dir * hit.t,
+                            false, {}};
         departure.behind = side * glm::dot(plane, dvec3(origin) - a) <= 0.0;
         const vec3 back = point.position - origin;
         if (back != vec3(0.0f)) departure.way_back = Ray{origin, 0.0f, back, 1.0f};
@@ -75,7 +81,7 @@ bool same_triangle(const Hit& a, uint32_t inst_id, uint32_t prim_id) {
 bool crossed_another(const Departure& departure, const Verdict& on_way_back) {
     return on_way_back.true_inst_id != kNoId &&
            !same_triangle(departure.from, on_way_back.true_inst_id, on_way_back.true_prim_id) &&
-           on_way_back.true_t < clear_share(*departure.way_back);
+           on_way_back.true_t < clear_share(*departure.way_back, departure.way);
 }
 
 void run_rung(const SelfHitRung& rung, const ShadingScene& shading, const Judge& judge,
@@ -85,8 +91,7 @@ void run_rung(const SelfHitRung& rung, const ShadingScene& shading, const Judge&
     std::vector<Departure> departures;
     for (size_t i = 0; i < primary.size(); ++i) {
         if (!hits.hits[i].is_hit()) continue;
-        depart(shading, shading.ray_offset * rung.offset_factor, i, primary[i], hits.hits[i],
-               departures);
+        depart(shading, rung.offset_factor, i, primary[i], hits.hits[i], departures);
     }
 
     // The contestant's answers and the truth, forwards and on the way back.

@@ -140,7 +140,8 @@ ShaderInputs pack_shading_tables(const Scene& scene, bool smooth_normals,
     inputs.textures.push_back(std::move(lights));
     inputs.uniforms = {{"background", scene.background},
                        {"ambient", scene.ambient},
-                       {"ray_offset", secondary_offset(scene_bounds(scene))}};
+                       {"ray_offset", secondary_offset(scene_bounds(scene))},
+                       {"ray_offset_of_way", kOffsetOfWay}};
     return inputs;
 }
 

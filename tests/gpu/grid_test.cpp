@@ -442,10 +442,9 @@ TEST_F(GridStrategy, secondary_rays_start_in_front_of_their_surface_at_any_scale
                 if (!hits[i].is_hit()) continue;
                 const SurfacePoint point = surface_point(shading, rays[i], hits[i]);
                 const vec3 n = point.geometric_normal;
-                const vec3 origin = point.position + n * shading.ray_offset;
-                EXPECT_TRUE(is_in_front(*scene, hits[i], origin, n))
+                EXPECT_TRUE(is_in_front(*scene, hits[i], point.origin, n))
                     << "scale " << scale << ", " << distance << " sizes away, ray " << i;
-                secondary.push_back({origin, 0.0f, glm::reflect(rays[i].dir, n), kInfinity});
+                secondary.push_back({point.origin, 0.0f, glm::reflect(rays[i].dir, n), kInfinity});
                 left.push_back(hits[i]);
             }
             const std::vector<Hit> next = cast(*tracer, secondary).hits;

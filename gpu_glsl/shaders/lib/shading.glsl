@@ -15,14 +15,14 @@ CONSTANT(bool, shadows)
 UNIFORM(vec3, background)
 UNIFORM(vec3, ambient)
 UNIFORM(float, ray_offset)
+UNIFORM(float, ray_offset_of_way)
 
 // What shading needs to know of a hit.
 struct SurfacePoint {
-    vec3 position;
     vec3 geometric_normal;
     vec3 shading_normal;
     vec3 to_eye;
-    vec3 origin;  // of the secondary rays: the position, moved off the surface
+    vec3 origin;  // of the secondary rays, see leave_surface()
     Material material;
 };
 
@@ -37,8 +37,9 @@ vec3 world_normal(ShadingInstance instance, vec3 n) {
     return unit(instance.row0 * n.x + instance.row1 * n.y + instance.row2 * n.z);
 }
 
-// The surface at `position`, where a ray of direction `dir` met it; `hit` says on which triangle.
-SurfacePoint surface_point(vec3 position, vec3 dir, Hit hit) {
+// The surface that a ray of direction `dir` met; `hit` says on which triangle. Its origin is yet to
+// be set.
+SurfacePoint surface_point(vec3 dir, Hit hit) {
     ShadingInstance instance = fetch_shading_instance(hit.inst_id);
     TriangleNormals normals = fetch_normals(instance.first_triangle + int(hit.prim_id));
 
@@ -52,8 +53,15 @@ SurfacePoint surface_point(vec3 position, vec3 dir, Hit hit) {
         if (dot3(shading, geometric) < 0.0) shading = -shading;
     }
 
-    return SurfacePoint(position, geometric, shading, unit(-dir), position + geometric * ray_offset,
+    return SurfacePoint(geometric, shading, unit(-dir), vec3(0.0),
                         fetch_material(instance.first_material + normals.group));
+}
+
+// Where secondary rays start: where `ray` met the surface at `t`, moved off it along its normal by
+// the scene's share of the offset and that of the way, whose rounding moved the point.
+vec3 leave_surface(Ray ray, float t, vec3 normal) {
+    vec3 way = ray.dir * t;
+    return ray.org + way + normal * (ray_offset + largest(abs(way)) * ray_offset_of_way);
 }
 
 // Phong reflection of one light that is not in shadow.
@@ -102,7 +110,8 @@ bool next_ray(INOUT(Path) path, Hit hit, INOUT(Ray) ray) {
             path.pixel.color += background * path.weight;
             return false;
         }
-        path.point = surface_point(ray.org + ray.dir * hit.t, ray.dir, hit);
+        path.point = surface_point(ray.dir, hit);
+        path.point.origin = leave_surface(ray, hit.t, path.point.geometric_normal);
         if (path.depth == 0) path.pixel.normal = path.point.shading_normal;
         path.direct = path.point.material.diffuse * ambient;
     } else if (!is_hit(hit)) {

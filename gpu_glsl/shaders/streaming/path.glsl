@@ -7,8 +7,7 @@
 struct PathState {
     vec3 org;         // of the ray in flight
     vec3 dir;
-    vec3 position;    // of the surface whose light is being gathered
-    vec3 seen_along;  // the direction in which that surface was met
+    vec3 seen_along;  // the direction in which the surface was met whose light is being gathered
     Hit surface;      // on which triangle, and where; t is not kept
     vec3 direct;
     float weight;
@@ -28,19 +27,19 @@ struct PathTexels {
 
 PathTexels pack_path(PathState s) {
     return PathTexels(
-        vec4(s.org, s.weight), vec4(s.dir, s.surface.u), vec4(s.position, s.surface.v),
+        vec4(s.org, s.weight), vec4(s.dir, 0.0), vec4(s.surface.u, s.surface.v, 0.0, 0.0),
         vec4(s.seen_along, s.primary.t), vec4(s.direct, s.primary.u), vec4(s.color, s.primary.v),
         uvec4(s.surface.prim_id, s.surface.inst_id, s.primary.prim_id, s.primary.inst_id));
 }
 
 PathState unpack_path(PathTexels t) {
-    return PathState(t.a.xyz, t.b.xyz, t.c.xyz, t.d.xyz, Hit(0.0, t.b.w, t.c.w, t.ids.x, t.ids.y),
-                     t.e.xyz, t.a.w, t.f.xyz, Hit(t.d.w, t.e.w, t.f.w, t.ids.z, t.ids.w));
+    return PathState(t.a.xyz, t.b.xyz, t.d.xyz, Hit(0.0, t.c.x, t.c.y, t.ids.x, t.ids.y), t.e.xyz,
+                     t.a.w, t.f.xyz, Hit(t.d.w, t.e.w, t.f.w, t.ids.z, t.ids.w));
 }
 
 // A pixel's path before its primary ray.
 PathState begin_path_state(Ray ray) {
     Path path = begin_path();
-    return PathState(ray.org, ray.dir, vec3(0.0), vec3(0.0), no_hit(), path.direct, path.weight,
+    return PathState(ray.org, ray.dir, vec3(0.0), no_hit(), path.direct, path.weight,
                      path.pixel.color, path.pixel.primary);
 }

@@ -13,7 +13,7 @@ void main() {
     vec3 normal = vec3(0.0);
     if (is_hit(primary)) {
         Ray ray = primary_ray(pixel_of_ray());
-        normal = surface_point(ray.org + ray.dir * primary.t, ray.dir, primary).shading_normal;
+        normal = surface_point(ray.dir, primary).shading_normal;
     }
     uvec4 traverse_work = load_walk_work(control);
     uvec4 intersect_work = load_hit_work(control);

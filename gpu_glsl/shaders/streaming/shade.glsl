@@ -12,11 +12,11 @@ void shade(Hit hit, INOUT(PathState) s, INOUT(uint) control) {
     path.pixel.color = s.color;
     path.pixel.primary = s.primary;
     if (path.light == kSurfaceRay) {
-        s.position = ray.org + ray.dir * hit.t;
         s.seen_along = ray.dir;
         s.surface = hit;
     } else {
-        path.point = surface_point(s.position, s.seen_along, s.surface);
+        path.point = surface_point(s.seen_along, s.surface);
+        path.point.origin = ray.org;  // the shadow ray in flight starts there
         path.contribution = phong(path.point, fetch_light(path.light));
     }
 

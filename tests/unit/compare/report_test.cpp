@@ -470,6 +470,42 @@ TEST_F(Report, says_in_one_sentence_a_scene_what_came_out) {
     EXPECT_NE(page.find("No error in 1,048,576 rays; 2 pictures agree"), std::string::npos);
 }
 
+TEST_F(Report, adds_up_the_classes_of_each_tracer_over_all_scenes) {
+    constexpr auto kWrongSurface = static_cast<size_t>(HitClass::wrong_surface);
+    const Results run = sample_check_run();
+    const std::string page = visible(render({run}));
+    const size_t table = page.find("<h3>All scenes together</h3>");
+    ASSERT_NE(table, std::string::npos);
+    for (const std::string& tracer : {kFragment, kCompute}) {
+        uint64_t rays = 0, wrong = 0, scenes_with_wrong = 0;
+        for (const CheckRecord& check : run.checks) {
+            if (check.tracer != tracer) continue;
+            rays += check.ray_count;
+            wrong += check.classes[kWrongSurface].count;
+            scenes_with_wrong += check.classes[kWrongSurface].count > 0 ? 1 : 0;
+        }
+        ASSERT_GT(scenes_with_wrong, 1u) << "else there is nothing to add up";
+        const size_t row = page.find("<th scope=\"row\">" + tracer + "</th><td>" +
+                                         report::grouped(run.scenes.size()) + "</td><td>" +
+                                         report::grouped(rays) + "</td>",
+                                     table);
+        ASSERT_NE(row, std::string::npos) << tracer;
+        EXPECT_LT(page.find("<td class=\"bad\">" + report::grouped(wrong) + "</td>", row),
+                  page.find("</tr>", row))
+            << tracer;
+    }
+}
+
+TEST_F(Report, needs_no_sum_for_one_scene) {
+    Results run = sample_check_run();
+    run.scenes.resize(1);
+    const auto elsewhere = [&](const auto& record) { return record.scene != run.scenes[0].name; };
+    std::erase_if(run.tracers, elsewhere);
+    std::erase_if(run.checks, elsewhere);
+    std::erase_if(run.images, elsewhere);
+    EXPECT_EQ(visible(render({run})).find("All scenes together"), std::string::npos);
+}
+
 TEST_F(Report, explains_the_slack_of_the_paper_with_the_figures_of_the_data) {
     const std::string page = visible(sample_page());
     EXPECT_NE(page.find("names another triangle than the oracle for 313 of 262,144 (0.119\u00a0%)"),
@@ -700,6 +736,17 @@ TEST_F(Report, without_claims_says_nothing_of_the_paper) {
     for (const char* id : {"claims", "tables", "figures", "motion", "streaming"}) {
         EXPECT_EQ(page.find(std::string("<section id=\"") + id + "\""), std::string::npos) << id;
     }
+}
+
+TEST_F(Report, lists_deviations_only_where_wrong_rays_were_attributed_to_them) {
+    const auto lists_deviations = [&](const Results& run) {
+        return visible(render({run})).find("id=\"deviations\"") != std::string::npos;
+    };
+    Results run = sample_check_run();
+    run.tracers.front().deviations = {{"D11", "edge_tolerance", "1", "0.4 % of slack"}};
+    EXPECT_FALSE(lists_deviations(run));
+    run.checks.front().attribution = {true, {{"D11", 33}}, 0};
+    EXPECT_TRUE(lists_deviations(run));
 }
 
 TEST_F(Report, sets_the_papers_tables_beside_ours) {

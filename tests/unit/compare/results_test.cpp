@@ -437,6 +437,15 @@ TEST(Manifest, names_this_build_and_this_machine) {
     EXPECT_TRUE(manifest.complete);
 }
 
+TEST(Manifest, records_the_command_line_without_the_folder_of_the_program) {
+    using Words = std::vector<std::string>;
+    const auto recorded = [](Words words) { return make_manifest(std::move(words), 1).arguments; };
+    EXPECT_EQ(recorded({"/opt/onepass/bin/onepass", "check", "models/a.obj"}),
+              (Words{"onepass", "check", "models/a.obj"}));
+    EXPECT_EQ(recorded({"onepass", "doctor"}), (Words{"onepass", "doctor"}));
+    EXPECT_EQ(recorded({}), Words{});
+}
+
 TEST(Manifest, reads_the_cpu_model) {
     std::istringstream cpuinfo("processor\t: 0\nmodel name\t: Some CPU @ 2 GHz\nflags\t: x\n");
     EXPECT_EQ(cpu_model(cpuinfo), "Some CPU @ 2 GHz");

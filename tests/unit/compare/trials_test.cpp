@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -113,6 +114,28 @@ TEST(SelfHitTrial, an_offset_that_leads_across_another_surface_leaks) {
     EXPECT_EQ(failures(within, "leak"), 0u);
     const RungRecord beyond = run(self_hits(64.0f, narrow_gap), blind).rungs[0];
     EXPECT_GT(failures(beyond, "leak"), beyond.trials / 4);
+}
+
+TEST(SelfHitTrial, the_offset_in_use_knows_how_far_the_eye_is) {
+    const auto from = [](float distance) {
+        return self_hit_trial(title(),
+                              {{.knob = 1.0, .make_scene = ball, .view_distance = distance}});
+    };
+    for (const float distance : {1e1f, 1e2f, 1e3f, 1e4f}) {
+        const RungRecord rung = run(from(distance)).rungs[0];
+        EXPECT_GT(rung.trials, kRays / 2);
+        EXPECT_EQ(rung.failed(), 0u) << distance << " sizes away";
+    }
+}
+
+TEST(SelfHitTrial, an_offset_that_grows_with_the_way_leaks_where_it_is_longer_than_a_gap_is_wide) {
+    const Sabotage blind{.drops = [](const Hit& hit) { return hit.prim_id >= 8; }};
+    const RungRecord rung =
+        run(self_hit_trial(title(),
+                           {{.knob = 1.0, .make_scene = narrow_gap, .view_distance = 200.0f}}),
+            blind)
+            .rungs[0];
+    EXPECT_GT(failures(rung, "leak"), rung.trials / 4);
 }
 
 // ---- Closed meshes
@@ -333,6 +356,31 @@ TEST(Trials, a_tracer_that_refuses_a_scene_says_why) {
     const RungRecord rung = self_hits(1.0f).run(one.setup, {}).rungs.at(0);
     EXPECT_EQ(rung.trials, 0u);
     EXPECT_EQ(rung.refusal, "its buffers: too much");
+}
+
+TEST(Trials, a_cast_that_ends_with_an_error_fails_every_ray_of_the_rung) {
+    const Sabotage out_of_range{.spoils = [](const Scene&, const Ray&, Hit&, uint32_t&) {
+        throw Error({"fetch", "texel 9", "8 at most", ""});
+    }};
+    for (const StressExperiment& trial :
+         {self_hits(1.0f), closed(ball), change_trial(title(), two_balls, {far_instance(10.0)}),
+          invalid_ray_trial(title(), ball)}) {
+        const RungRecord rung = run(trial, out_of_range).rungs.at(0);
+        EXPECT_EQ(rung.trials, kRays);
+        EXPECT_EQ(failures(rung, "gave_up"), kRays);
+        EXPECT_EQ(rung.refusal, "");
+    }
+}
+
+TEST(Trials, a_cast_that_ends_with_an_error_takes_back_what_was_counted_before) {
+    const Sabotage second_cast{
+        .spoils = [casts = std::make_shared<size_t>(0)](const Scene&, const Ray&, Hit&, uint32_t&) {
+            if (++*casts > kRays) throw Error({"fetch", "texel 9", "8 at most", ""});
+        }};
+    const RungRecord rung = run(closed(ball), second_cast).rungs.at(0);
+    EXPECT_EQ(rung.trials, kRays);
+    EXPECT_EQ(failures(rung, "gave_up"), kRays);
+    EXPECT_EQ(rung.failures.size(), 1u);
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
 // The shading model over answers that are known in closed form.
 #include "core/shading.h"
 
+#include <cmath>
+
 #include <gtest/gtest.h>
 
+#include "core/random.h"
 #include "tests/support/scenes.h"
 
 namespace onepass {
@@ -171,6 +174,46 @@ TEST(Shading, the_ray_offset_scales_with_the_scene) {
     const Bounds large{vec3(-1000, -2000, -3000), vec3(1000, 2000, 3000)};
     EXPECT_FLOAT_EQ(secondary_offset(large), 1000.0f * secondary_offset(box));
     EXPECT_GT(secondary_offset(box), 0.0f);
+}
+
+TEST(Shading, rays_from_any_distance_leave_from_in_front_of_the_surface) {
+    Scene scene = facing_quads();
+    scene.instances[0].world_from_object =
+        Affine(vec3(0.8f, 0.0f, -0.6f), vec3(0.36f, 0.8f, 0.48f), vec3(0.48f, -0.6f, 0.64f),
+               vec3(0.3f, -0.2f, 0.1f));
+    const ShadingScene shading(scene);
+    const DAffine world_from_object(scene.instances[0].world_from_object);
+    const auto on_quad = [&](float x, float y) {
+        return transform_point(world_from_object, dvec3(x, y, 0.0));
+    };
+    const dvec3 place = on_quad(0.0f, 0.0f);
+    const dvec3 normal =
+        glm::normalize(glm::cross(on_quad(1.0f, 0.0f) - place, on_quad(0.0f, 1.0f) - place));
+    Random random(7);
+    size_t points = 0;
+    for (const float distance : {1.0f, 1e2f, 1e4f, 1e6f}) {
+        for (int i = 0; i < 2000; ++i) {
+            // From in front of the quad to a point of it.
+            const float x = random.unit(), y = random.unit(), z = random.unit();
+            const vec3 from = distance * (2.0f * vec3(x, y, z) - vec3(1.0f));
+            if (glm::dot(dvec3(from) - place, normal) <= 0.0) continue;
+            const vec3 dir = vec3(on_quad(z - 0.5f, x - 0.5f)) - from;
+            const double t = glm::dot(place - dvec3(from), normal) / glm::dot(dvec3(dir), normal);
+            if (!(t > 0.0)) continue;
+
+            // t as a tracer has it: rounded, or an ulp off.
+            for (const float towards : {-kInfinity, 0.0f, kInfinity}) {
+                Hit hit{static_cast<float>(t), 0.25f, 0.25f, 0, 0};
+                if (towards != 0.0f) hit.t = std::nextafter(hit.t, towards);
+                const Ray ray{from, 0.0f, dir, kInfinity};
+                const SurfacePoint point = surface_point(shading, ray, hit);
+                ++points;
+                EXPECT_GT(glm::dot(dvec3(point.origin) - place, normal), 0.0)
+                    << "from " << distance << " away, ray " << i;
+            }
+        }
+    }
+    EXPECT_GT(points, 10000u) << "else hardly a ray comes from in front";
 }
 
 }  // namespace
