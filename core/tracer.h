@@ -36,6 +36,7 @@ struct RayBatch {
 struct CastOptions {
     Query query = Query::closest;
     bool counters = false;  ///< count cells, tests and references; slower, never mixed with timing
+    bool answers = true;    ///< false: only the times are wanted; hits and flags may be left out
 };
 
 struct CastResult {

@@ -234,6 +234,7 @@ class GpuTracer final : public Tracer {
         add_time(gl::finish_and_time(context_, [&] { gl::draw_fullscreen(program, framebuffer); }),
                  result);
 
+        if (!options.answers) return;
         append_hits(framebuffer, chunk.count, options.counters, result);
     }
 
@@ -254,6 +255,7 @@ class GpuTracer final : public Tracer {
                                      [&] { gl::dispatch(program, uvec3(groups_x, groups_y, 1)); }),
                  result);
 
+        if (!options.answers) return;
         append_hits(hit_buffer, chunk.count, options.counters, result);
     }
 

@@ -1,6 +1,7 @@
 // The built-in scenes and the shapes they are made of.
 #include "scenes/scenes.h"
 
+#include <cmath>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -198,6 +199,28 @@ TEST(BigSmall, holds_six_large_triangles_and_many_small_ones_in_one_object) {
     };
     for (size_t i = 0; i < 6; ++i) EXPECT_GT(longest_edge(i), 5.0f);
     for (size_t i = 6; i < object.triangles.size(); ++i) EXPECT_LT(longest_edge(i), 0.5f);
+}
+
+TEST(LumpyBall, is_closed_and_of_one_shape_at_every_size) {
+    double coarser_volume = 0.0;
+    for (const uint64_t asked : {8u, 200u, 10'000u, 40'000u}) {
+        const Scene scene = make_lumpy_ball(asked);
+        validate(scene);
+        const Object& ball = scene.objects[0];
+        EXPECT_TRUE(is_closed(ball)) << asked;
+        EXPECT_EQ(ball.positions.size(), ball.triangles.size() / 2 + 2) << "Euler, of a sphere";
+        // 8 m^2 triangles, m rounded: off by less than ((m + 1/2) / m)^2.
+        const double m = std::sqrt(static_cast<double>(asked) / 8.0);
+        EXPECT_NEAR(static_cast<double>(ball.triangles.size()) / static_cast<double>(asked), 1.0,
+                    1.0 / m + 0.25 / (m * m));
+        const double volume = signed_volumes(ball).at(0);
+        EXPECT_GT(volume, 0.0) << "counter-clockwise from outside";
+        if (asked > 10'000) {
+            EXPECT_NEAR(volume / coarser_volume, 1.0, 0.01) << "chords cut corners";
+        }
+        coarser_volume = volume;
+    }
+    EXPECT_THROW(make_lumpy_ball(7), Error);
 }
 
 // ---- By name ----
