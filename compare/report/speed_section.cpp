@@ -33,7 +33,7 @@ std::string clock_cell(const std::optional<ClockReading>& clocks) {
     if (!clocks) return cell("–");
     return cell(fmt::format("{} MHz<small>memory {} MHz, {} °C</small>",
                             significant(clocks->sm_mhz, 4), significant(clocks->memory_mhz, 4),
-                            significant(clocks->temperature_c)));
+                            significant(clocks->temperature_c, 2)));
 }
 
 /// Whether each device held its pace. Empty where no tracer ran on one.

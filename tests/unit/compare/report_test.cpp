@@ -704,7 +704,7 @@ TEST_F(Report, shows_the_devices_own_rate_and_whether_it_held_its_pace) {
                  {"balls-1", "primary", 1'000'000, 321, 20000.0, 0.04, false, "not known: a reason",
                   std::nullopt, std::nullopt}};
     const std::string seen = visible(render({run}));
-    EXPECT_NE(seen.find("0.25<small>4,000 Mrays/s</small><small>400 ×"), std::string::npos);
+    EXPECT_NE(seen.find("0.2500<small>4,000 Mrays/s</small><small>400 ×"), std::string::npos);
     EXPECT_NE(seen.find("1,980 MHz<small>memory 2,619 MHz, 41 °C</small>"), std::string::npos);
     EXPECT_NE(seen.find("1,965 MHz"), std::string::npos);
     EXPECT_NE(seen.find("not known: a reason"), std::string::npos);
