@@ -65,6 +65,9 @@ void append_results(Results& results, const Results& part) {
     append(results.sweeps, part.sweeps);
     append(results.ladders, part.ladders);
     append(results.tradeoffs, part.tradeoffs);
+    append(results.paces, part.paces);
+    append(results.growth_builds, part.growth_builds);
+    append(results.growth_traces, part.growth_traces);
 }
 
 }  // namespace onepass

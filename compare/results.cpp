@@ -204,11 +204,40 @@ void fields(A& a, TradeoffPoint& p) {
 }
 
 template <class A>
+void fields(A& a, ClockReading& c) {
+    a("sm_mhz", c.sm_mhz), a("memory_mhz", c.memory_mhz), a("temperature_c", c.temperature_c);
+}
+
+template <class A>
+void fields(A& a, PaceRecord& p) {
+    a("scene", p.scene), a("rays", p.rays), a("ray_count", p.ray_count);
+    a("warm_up_rounds", p.warm_up_rounds), a("warm_up_ms", p.warm_up_ms), a("change", p.change);
+    a("steady", p.steady), a("clocks_of", p.clocks_of), a("before", p.before);
+    a("after", p.after);
+}
+
+template <class A>
+void fields(A& a, GrowthBuild& g) {
+    a("scene", g.scene), a("triangles", g.triangles), a("tracer", g.tracer);
+    a("setting", g.setting), a("build_ms", g.build_ms), a("bytes", g.bytes);
+    a("cells", g.cells), a("references", g.references), a("failure", g.failure);
+}
+
+template <class A>
+void fields(A& a, GrowthTrace& g) {
+    a("scene", g.scene), a("triangles", g.triangles), a("tracer", g.tracer);
+    a("setting", g.setting), a("rays", g.rays), a("ray_count", g.ray_count);
+    a("growing_rays", g.growing_rays), a("wall_ms", g.wall_ms), a("device_ms", g.device_ms);
+    a("judged", g.judged), a("errors", g.errors), a("edges", g.edges);
+}
+
+template <class A>
 void fields(A& a, Results& r) {
     a("manifest", r.manifest), a("scenes", r.scenes), a("tracers", r.tracers);
     a("checks", r.checks), a("images", r.images), a("timings", r.timings);
     a("frame_timings", r.frame_timings), a("claims", r.claims), a("sweeps", r.sweeps);
-    a("ladders", r.ladders), a("tradeoffs", r.tradeoffs);
+    a("ladders", r.ladders), a("tradeoffs", r.tradeoffs), a("paces", r.paces);
+    a("growth_builds", r.growth_builds), a("growth_traces", r.growth_traces);
 }
 
 // Enumerations are written as their names.
@@ -478,6 +507,13 @@ void upgrade(json& document) {
     }
 }
 
+/// Lists that version 3 gained after its first files: those have none of them.
+void add_later_lists(json& document) {
+    for (const char* list : {"paces", "growth_builds", "growth_traces"}) {
+        if (!document.contains(list)) document[list] = json::array();
+    }
+}
+
 }  // namespace
 
 Results results_from_json(const std::string& text, const std::string& file_name) {
@@ -487,6 +523,7 @@ Results results_from_json(const std::string& text, const std::string& file_name)
                      "Name a file written with --json."});
     }
     if (document.is_object() && document.value("schema_version", json()) == 2) upgrade(document);
+    if (document.is_object()) add_later_lists(document);
     Reader reader(document, file_name, "");
     int version = 0;
     reader("schema_version", version);

@@ -311,6 +311,56 @@ struct TradeoffPoint {
     double ratio_high = 0.0;
 };
 
+/// A device's clocks as its driver tells them. NaN: it does not tell this one.
+struct ClockReading {
+    double sm_mhz = 0.0;
+    double memory_mhz = 0.0;
+    double temperature_c = 0.0;
+};
+
+/// How steady the device was while one set of rays was timed.
+struct PaceRecord {
+    std::string scene;
+    std::string rays;
+    uint64_t ray_count = 0;
+    uint32_t warm_up_rounds = 0;
+    double warm_up_ms = 0.0;
+    double change = 0.0;    ///< of the last two paces of the warm-up, a share; NaN: no device timer
+    bool steady = false;    ///< the change was within the bound before the warm-up's time was over
+    std::string clocks_of;  ///< the device whose clocks these are, or why there are none
+    std::optional<ClockReading> before;  ///< the counted casts
+    std::optional<ClockReading> after;
+};
+
+/// One size of a growth study: what a tracer built of the growing scene.
+struct GrowthBuild {
+    std::string scene;  ///< the shape's name
+    uint64_t triangles = 0;
+    std::string tracer;
+    std::string setting;           ///< as in RungRecord
+    std::vector<double> build_ms;  ///< wall time, packing included; one a build
+    uint64_t bytes = 0;            ///< of the structure
+    uint64_t cells = 0;            ///< 0: it has none
+    uint64_t references = 0;
+    std::string failure;  ///< why it could not be built; else empty
+};
+
+/// ... and how it traced.
+struct GrowthTrace {
+    std::string scene;
+    uint64_t triangles = 0;
+    std::string tracer;
+    std::string setting;
+    std::string rays;
+    uint64_t ray_count = 0;
+    bool growing_rays = false;  ///< a step of the rays' growth, not of the triangles'
+    std::vector<double> wall_ms;
+    std::vector<double> device_ms;  ///< empty where the device has no timer to trust
+    uint64_t judged = 0;            ///< rays of the sample whose answers were compared
+    uint64_t errors = 0;            ///< among these, as CheckRecord::errors()
+    uint64_t edges = 0;
+};
+
 struct Results {
     static constexpr int kSchemaVersion = 3;
     Manifest manifest;
@@ -324,6 +374,9 @@ struct Results {
     std::vector<SweepPoint> sweeps;
     std::vector<LadderRecord> ladders;
     std::vector<TradeoffPoint> tradeoffs;
+    std::vector<PaceRecord> paces;
+    std::vector<GrowthBuild> growth_builds;
+    std::vector<GrowthTrace> growth_traces;
 };
 
 /// JSON text of a run. Infinities are the strings "inf" and "-inf", NaN is null; all else reads

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include "core/error.h"
@@ -47,6 +48,36 @@ RatioInterval ratio_of_medians(std::span<const double> numerator,
     }
     return {median(numerator) / median(denominator), quantile(ratios, 0.025),
             quantile(ratios, 0.975)};
+}
+
+PowerLaw fit_power(std::span<const double> x, std::span<const double> y) {
+    ONEPASS_CHECK_EQ(x.size(), y.size());
+    std::vector<double> log_x, log_y;
+    for (size_t i = 0; i < x.size(); ++i) {
+        if (!(x[i] > 0.0 && y[i] > 0.0)) continue;
+        log_x.push_back(std::log(x[i]));
+        log_y.push_back(std::log(y[i]));
+    }
+    const double n = static_cast<double>(log_x.size());
+    const double mean_x = std::accumulate(log_x.begin(), log_x.end(), 0.0) / n;
+    const double mean_y = std::accumulate(log_y.begin(), log_y.end(), 0.0) / n;
+    double xx = 0.0, xy = 0.0;
+    for (size_t i = 0; i < log_x.size(); ++i) {
+        xx += (log_x[i] - mean_x) * (log_x[i] - mean_x);
+        xy += (log_x[i] - mean_x) * (log_y[i] - mean_y);
+    }
+    if (!(xx > 0.0)) return {kNoValue, kNoValue, kNoValue};
+
+    PowerLaw law;
+    law.exponent = xy / xx;
+    law.factor = std::exp(mean_y - law.exponent * mean_x);
+    double scatter = 0.0;
+    for (size_t i = 0; i < log_x.size(); ++i) {
+        const double off = log_y[i] - mean_y - law.exponent * (log_x[i] - mean_x);
+        scatter += off * off;
+    }
+    law.standard_error = n > 2.0 ? std::sqrt(scatter / (n - 2.0) / xx) : kNoValue;
+    return law;
 }
 
 }  // namespace onepass

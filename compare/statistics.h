@@ -30,4 +30,15 @@ inline constexpr int kBootstrapResamples = 2000;
 RatioInterval ratio_of_medians(std::span<const double> numerator,
                                std::span<const double> denominator, uint64_t seed);
 
+/// y = factor * x^exponent.
+struct PowerLaw {
+    double exponent = 0.0;
+    double standard_error = 0.0;  ///< of the exponent, from the scatter about the line
+    double factor = 0.0;
+};
+
+/// Least squares on logarithms. The error is NaN for fewer than three points, and all is NaN for
+/// fewer than two different x. Points that are not positive in both are left out.
+PowerLaw fit_power(std::span<const double> x, std::span<const double> y);
+
 }  // namespace onepass

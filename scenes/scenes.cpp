@@ -60,7 +60,8 @@ LoadedScene read_mesh(const MeshFile& mesh) {
                  fmt::format("Run `{}`, or `apt-get install {}`.", mesh.fetch, mesh.package)});
 }
 
-/// The views of the published figures: 0.75 diagonals from the centre, 45 degrees.
+/// The views of the published figures of GPU tracers on these meshes: 0.75 diagonals of the box
+/// from its centre, looking at it, 45 degrees from top to bottom.
 Camera published_view(const Bounds& bounds, const vec3& direction, const vec3& up) {
     constexpr float kDistance = 0.75f;
     constexpr float kFov = 0.785398163f;

@@ -62,6 +62,14 @@ Scene make_hind24_flying();
 
 /// Rotated, non-uniformly scaled, sheared and mirrored instances of several objects.
 Scene make_instances();
+/// A closed surface of about `triangles` triangles (8 m^2, m the nearest whole number): a ball with
+/// lumps, the same shape whatever the count, for studies of how cost grows. One object in one
+/// instance, named after its count.
+///
+/// Triangles are counter-clockwise seen from outside and of like sizes (areas within a factor of
+/// about 8); no vertex has more than six.
+/// Throws: Error for fewer than 8 triangles or more than 2^31.
+Scene make_lumpy_ball(uint64_t triangles);
 /// Six large triangles over a field of many small ones: a large triangle is referenced by many
 /// cells, and a hit outside the current cell must not be accepted early.
 Scene make_big_small();

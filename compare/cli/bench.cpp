@@ -1,5 +1,6 @@
 // onepass bench: speed beside Embree's in the same rounds, and never without its error counts.
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include <fmt/format.h>
@@ -21,20 +22,24 @@ struct BenchCommand {
     std::vector<std::string> scenes;
     StrategyOptions strategy;
     RayOptions rays{{"primary", "random"}, "512x512", 0};
+    std::vector<std::string> references = {"embree/*"};
     TimingOptions timing;
+    double enough_s = 5.0;
     bool settings = false;
     std::string entry = "fragment";
     std::string json;
 };
 
-/// Embree's four modes first, the oracle in front, then what was asked for.
-std::vector<SelectedStrategy> contestants(const Session& session, const StrategyOptions& options) {
+/// The references first, the oracle in front of them, then what was asked for.
+std::vector<SelectedStrategy> contestants(const Session& session, const BenchCommand& options) {
     std::vector<SelectedStrategy> all = {{&session.catalogue.at(kOracleName), {}}};
     std::vector<SelectedStrategy> others;
-    for (const CatalogueEntry* entry : session.catalogue.select("embree/*")) {
-        others.push_back({entry, {}});
+    for (const std::string& reference : options.references) {
+        for (const CatalogueEntry* entry : session.catalogue.select(reference)) {
+            others.push_back({entry, {}});
+        }
     }
-    for (SelectedStrategy& strategy : select_strategies(session.catalogue, options)) {
+    for (SelectedStrategy& strategy : select_strategies(session.catalogue, options.strategy)) {
         others.push_back(std::move(strategy));
     }
     for (SelectedStrategy& strategy : others) {
@@ -52,25 +57,51 @@ std::string timing_table(const std::vector<TimingRecord>& records) {
         fmt::format("{}, {} rays: {} rays, {} rounds; ratio is speed relative to {}\n", first.scene,
                     first.rays, first.ray_count, first.wall_ms.size(), first.oracle);
     std::vector<std::vector<std::string>> rows = {{"tracer", "Mrays/s", "median ms", "quartiles ms",
-                                                   "device ms", "ratio", "95 % interval", "errors",
-                                                   "edge"}};
+                                                   "ratio", "95 % interval", "device Mrays/s",
+                                                   "device ms", "device ratio", "95 % interval",
+                                                   "rounds", "errors", "edge"}};
     for (const TimingRecord& record : records) {
+        const DeviceSpeed device = device_speed(record, 0);
+        const auto if_timed = [&](const std::string& figure) {
+            return std::isnan(device.median_ms) ? "-" : figure;
+        };
         rows.push_back(
             {record.tracer, fmt::format("{:.3f}", record.mrays_per_s),
              fmt::format("{:.2f}", record.median_ms),
              fmt::format("{:.2f}..{:.2f}", quantile(record.wall_ms, 0.25),
                          quantile(record.wall_ms, 0.75)),
-             record.device_ms.empty() ? "-" : fmt::format("{:.2f}", median(record.device_ms)),
              fmt::format("{:.3f}", record.ratio),
              fmt::format("{:.3f}..{:.3f}", record.ratio_low, record.ratio_high),
-             std::to_string(record.errors), std::to_string(record.edges)});
+             if_timed(fmt::format("{:.1f}", device.mrays_per_s)),
+             if_timed(fmt::format("{:.4f}", device.median_ms)),
+             if_timed(fmt::format("{:.3f}", device.ratio.ratio)),
+             if_timed(fmt::format("{:.3f}..{:.3f}", device.ratio.low, device.ratio.high)),
+             std::to_string(record.wall_ms.size()), std::to_string(record.errors),
+             std::to_string(record.edges)});
     }
     return text + format_table(rows);
 }
 
+std::string clock_text(const std::optional<ClockReading>& clocks) {
+    return clocks ? fmt::format("SM {:.0f} MHz, memory {:.0f} MHz, {:.0f} C", clocks->sm_mhz,
+                                clocks->memory_mhz, clocks->temperature_c)
+                  : "-";
+}
+
+/// Whether the device held its pace, and at which clocks.
+std::string pace_text(const PaceRecord& pace) {
+    std::string text = fmt::format(
+        "  warm-up: {} rounds, {:.1f} s, until the pace of the device changed by {:.2f} %{}\n",
+        pace.warm_up_rounds, 1e-3 * pace.warm_up_ms, 100.0 * pace.change,
+        pace.steady ? "" : ": NOT STEADY");
+    return text + fmt::format("  clocks ({}): before {}; after {}\n", pace.clocks_of,
+                              clock_text(pace.before), clock_text(pace.after));
+}
+
 /// Checks, then times, all contestants on one ray set.
-void bench_case(const Court& court, const Case& subject, const std::vector<Tracer*>& tracers,
-                const TimingOptions& timing, const Progress& progress, Results& results) {
+void bench_case(Session& session, const Court& court, const Case& subject,
+                const std::vector<Tracer*>& tracers, const TimingOptions& timing,
+                const Progress& progress, Results& results) {
     std::vector<CastResult> answers;
     std::vector<std::string> names;
     for (Tracer* tracer : tracers) {
@@ -83,7 +114,9 @@ void bench_case(const Court& court, const Case& subject, const std::vector<Trace
         checks.push_back(std::move(comparison.record));
         checks.back().reference = checks.back().tracer.starts_with("embree/");
     }
-    std::vector<TimingRecord> timings = time_casts(tracers, 0, subject.rays, timing, progress);
+    PacedTimings paced =
+        time_with_pace(tracers, 0, subject.rays, timing, session.device_clocks(), progress);
+    std::vector<TimingRecord>& timings = paced.timings;
     if (timings.front().wall_ms.empty()) return;  // stopped before its first round
     for (size_t i = 0; i < timings.size(); ++i) {
         timings[i].scene = court.open.name;
@@ -92,6 +125,9 @@ void bench_case(const Court& court, const Case& subject, const std::vector<Trace
     }
     results.checks.insert(results.checks.end(), checks.begin(), checks.end());
     results.timings.insert(results.timings.end(), timings.begin(), timings.end());
+    if (!paced.pace) return;
+    paced.pace->scene = court.open.name;
+    results.paces.push_back(std::move(*paced.pace));
 }
 
 void bench_scene(Session& session, const BenchCommand& options, const std::string& name,
@@ -117,7 +153,7 @@ void bench_scene(Session& session, const BenchCommand& options, const std::strin
         const Progress part = [&](double done) { return go_on(progress, begin + done / kinds); };
         if (!part(0.0)) return;
         const Case subject = open_case(court, options.rays.kinds[k], request);
-        bench_case(court, subject, tracers, options.timing, part, results);
+        bench_case(session, court, subject, tracers, options.timing, part, results);
     }
 }
 
@@ -131,6 +167,10 @@ void print(const Results& results, std::FILE* out) {
             group.push_back(record);
         }
         fmt::print(out, "{}", timing_table(group));
+        for (const PaceRecord& pace : results.paces) {
+            if (pace.scene != first.scene || pace.rays != first.rays) continue;
+            fmt::print(out, "{}", pace_text(pace));
+        }
     }
     fmt::print(out, "judge of the errors: {}\n", results.manifest.judge);
 }
@@ -139,7 +179,8 @@ void run(Session& session, BenchCommand& options) {
     if (!options.json.empty() && options.json != "-") check_writable(options.json);
     parse_size(options.rays.size);
     options.timing.seed = session.globals.seed;
-    const std::vector<SelectedStrategy> selected = contestants(session, options.strategy);
+    options.timing.enough_ms = 1e3 * options.enough_s;
+    const std::vector<SelectedStrategy> selected = contestants(session, options);
 
     Results results;
     {
@@ -180,8 +221,25 @@ void add_bench(CLI::App& app, Session& session) {
                      fmt::format("Counted rounds, at least {}", kLeastRepetitions))
         ->capture_default_str();
     command
+        ->add_option("--enough", options->enough_s,
+                     fmt::format("Seconds of counted casts after which a tracer other than {} has "
+                                 "had enough, if it has {} rounds",
+                                 kOracleName, kLeastRepetitions))
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str();
+    command
+        ->add_option("--reference", options->references,
+                     fmt::format("Tracers timed beside those of -s: NAME or a pattern with '*'; "
+                                 "may be repeated. {} always is",
+                                 kOracleName))
+        ->type_name("NAME")
+        ->allow_extra_args(false)
+        ->excludes("--settings")
+        ->capture_default_str();
+    command
         ->add_option("--warm-up", options->timing.warm_up_ms,
-                     "Least time of uncounted rounds before, in ms")
+                     "Least time of uncounted rounds before, in ms; where a device has a timer, "
+                     "they go on until its pace is steady")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
     command->add_option("--json", options->json, "Writes the results; '-' is standard output")

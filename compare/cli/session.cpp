@@ -28,6 +28,16 @@ gl::GlContext& Session::gl_context() {
     return *gl_context_;
 }
 
+DeviceClocks Session::device_clocks() {
+    const bool software = gl_context_ && gl_context_->description().software;
+    if (!gl_context_ || software) return {"no GPU", {}};
+    if (gl_context_->description().vendor.find("NVIDIA") == std::string::npos) {
+        return {"not known: not a device of NVIDIA's", {}};
+    }
+    if (!clock_reader_) clock_reader_ = std::make_unique<ClockReader>();
+    return {clock_reader_->source(), [this] { return clock_reader_->read(); }};
+}
+
 Manifest Session::manifest() const {
     Manifest manifest = make_manifest(arguments_, globals.seed);
     manifest.embree = embree_description();

@@ -9,9 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "compare/clocks.h"
 #include "compare/hits.h"
 #include "compare/rays.h"
 #include "compare/results.h"
+#include "compare/timing.h"
 #include "core/catalogue.h"
 #include "core/io/load.h"
 #include "gpu_glsl/gl/context.h"
@@ -53,12 +55,17 @@ class Session {
     /// Throws: Error (device) if there is none.
     gl::GlContext& gl_context();
 
+    /// The clocks of the device that the context is on; none yet, and why, where they cannot be
+    /// read.
+    DeviceClocks device_clocks();
+
     /// The manifest of this run so far.
     Manifest manifest() const;
 
   private:
     std::vector<std::string> arguments_;
     std::unique_ptr<gl::GlContext> gl_context_;
+    std::unique_ptr<ClockReader> clock_reader_;  ///< made when first asked for
 };
 
 /// A loaded scene with its record; notes of the import have been said on stderr.

@@ -139,6 +139,32 @@ json cloud_json(const Cloud& cloud, const std::vector<std::string>& colours) {
     return {{"band", band_json(axis.band)}, {"points", points}};
 }
 
+json growth_json(const GrowthChart& chart) {
+    // Bytes are drawn as MiB.
+    const bool bytes = chart.curves.front().cost == GrowthCurve::Cost::bytes;
+    const double scale = bytes ? 1.0 / (1u << 20) : 1.0;
+    json lines = json::array();
+    for (size_t c = 0; c < chart.curves.size(); ++c) {
+        const GrowthCurve& curve = chart.curves[c];
+        json points = json::array(), fit = json::array();
+        for (size_t i = 0; i < curve.x.size(); ++i) {
+            points.push_back({{"x", curve.x[i]}, {"y", number(scale * curve.y[i])}});
+        }
+        const auto [first, last] = std::minmax_element(curve.x.begin(), curve.x.end());
+        for (const double x : {*first, *last}) {
+            const double y = scale * curve.law.factor * std::pow(x, curve.law.exponent);
+            fit.push_back({{"x", x}, {"y", number(y)}});
+        }
+        lines.push_back({{"name", chart.names[c]},
+                         {"colour", chart.colours[c]},
+                         {"exponent", number(curve.law.exponent)},
+                         {"device", curve.by_device},
+                         {"points", points},
+                         {"fit", fit}});
+    }
+    return {{"axis", chart.curves.front().over_rays ? "rays" : "triangles"}, {"lines", lines}};
+}
+
 /// Of all ladders and clouds, so that a strategy has one colour on the page.
 std::vector<std::string> colour_order(const std::vector<LadderOfRun>& ladders,
                                       const std::vector<Cloud>& all_clouds) {
@@ -185,8 +211,11 @@ std::string chart_data(const Dossier& dossier) {
         climbs.push_back(ladder_json(*ladder.record, colours));
     }
     for (const Cloud& cloud : all_clouds) tradeoffs.push_back(cloud_json(cloud, colours));
+    json growth = json::array();
+    for (const GrowthChart& chart : growth_charts(dossier)) growth.push_back(growth_json(chart));
     const json data = {{"timings", timings}, {"sweeps", plots},   {"claims", claims},
-                       {"motion", motion},   {"ladders", climbs}, {"tradeoffs", tradeoffs}};
+                       {"motion", motion},   {"ladders", climbs}, {"tradeoffs", tradeoffs},
+                       {"growth", growth}};
     // Text from files need not be UTF-8; a chart label shows a replacement character then.
     return script_safe(data.dump(-1, ' ', false, json::error_handler_t::replace));
 }

@@ -328,6 +328,46 @@
         };
     }
 
+    // Measured points, and their power laws as dashed lines: straight where both axes are logarithmic.
+    function growth(plot) {
+        const study = data.growth[Number(plot.dataset.growth)];
+        const power = (line) => (line.exponent === null ? "" : `, slope ${line.exponent.toFixed(2)}`);
+        const points = study.lines.map((line) => ({
+            label: `${line.name}${line.device ? " (device)" : ""}${power(line)}`,
+            data: line.points,
+            showLine: false,
+            borderColor: colour(line.colour),
+            backgroundColor: `${colour(line.colour)}99`,
+            pointStyle: kShapes[line.colour % kShapes.length],
+            radius: 4.5,
+            hoverRadius: 6.5,
+            borderWidth: 1.5,
+        }));
+        const laws = study.lines.map((line) => ({
+            label: "",
+            data: line.fit,
+            borderColor: colour(line.colour),
+            borderDash: [5, 4],
+            borderWidth: 1.5,
+            radius: 0,
+            hoverRadius: 0,
+        }));
+        const all = study.lines.flatMap((line) => line.points);
+        const options = base({
+            x: axis(study.axis, { type: "logarithmic", ...margins(all.map((p) => p.x), 1.5), ticks: { callback: decadeTick, maxRotation: 0 } }),
+            y: axis("", { type: "logarithmic", ...margins(all.map((p) => p.y), 1.8), ticks: { callback: decadeTick } }),
+        }, (item) => `${item.dataset.label}: ${short(item.raw.y)} at ${grouped(item.raw.x)} ${study.axis}`);
+        options.plugins.tooltip.filter = (item) => item.dataset.label !== "";
+        options.plugins.legend = {
+            display: true,
+            position: "bottom",
+            align: "start",
+            labels: { color: css("--ink"), usePointStyle: true, boxHeight: 6, padding: 8, filter: (item) => item.text !== "" },
+            onClick: () => {},
+        };
+        return { type: "line", data: { datasets: [...points, ...laws] }, options };
+    }
+
     // The strip of an axis of rates where a rate of 0 is drawn, ...
     const zeroBand = (band, axisName) => ({
         id: "zeroBand",
@@ -546,7 +586,7 @@
         return { type: "scatter", plugins: [zeroBand(cloud.band, "x"), upright], data: { datasets: [...datasets, ...fronts] }, options };
     }
 
-    const makers = { ratios, scatter, sweep, claims, series, motion, ladder, tradeoff };
+    const makers = { ratios, scatter, sweep, claims, series, motion, growth, ladder, tradeoff };
     let charts = [];
     function draw() {
         charts.forEach((chart) => chart.destroy());

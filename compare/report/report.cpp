@@ -53,9 +53,10 @@ std::string palette_css() {
 
 std::string page_heading(const Dossier& dossier) {
     if (is_reproduction(dossier)) return "The paper, reproduced: what still holds";
-    return dossier.scenes.empty() && !ladders_of(dossier).empty()
-               ? "Ray traversal, pushed until it fails"
-               : "Ray traversal, judged against Embree";
+    if (!dossier.scenes.empty()) return "Ray traversal, judged against Embree";
+    if (!ladders_of(dossier).empty()) return "Ray traversal, pushed until it fails";
+    return growth_charts(dossier).empty() ? "Ray traversal, judged against Embree"
+                                          : "Ray traversal: how cost grows";
 }
 
 std::string page_title(const Dossier& dossier) {
@@ -108,6 +109,7 @@ std::string render_report(const std::vector<Results>& runs,
     add("tradeoff", "Speed and accuracy", tradeoff_section(dossier));
     add("speed", "Speed", speed_section(dossier));
     add("grid-size", "Grid size", sweep_section(dossier));
+    add("growth", "Growth", growth_section(dossier));
     add("structures", "Structures", structure_section(dossier));
     add("environment", "Environment", environment_section(dossier));
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "compare/growth.h"
 #include "compare/report/dossier.h"
 #include "compare/report/ladders.h"
 
@@ -52,6 +53,9 @@ std::string speed_section(const Dossier& dossier);
 /// Time, cells and tests per ray and memory against grid density.
 std::string sweep_section(const Dossier& dossier);
 
+/// How build time, memory and trace time grow: charts, exponents, all sizes.
+std::string growth_section(const Dossier& dossier);
+
 /// What each tracer built: cells, references, bytes, build times.
 std::string structure_section(const Dossier& dossier);
 
@@ -69,6 +73,17 @@ struct Sweep {
     std::vector<SweepPoint> points;
 };
 std::vector<Sweep> sweeps(const Dossier& dossier);
+
+/// One chart of a growth study.
+struct GrowthChart {
+    size_t run = 0;
+    std::string title;
+    std::vector<std::string> names;  ///< of the curves: tracer and setting
+    std::vector<size_t> colours;     ///< the same for a tracer in all charts of the run
+    std::vector<GrowthCurve> curves;
+};
+/// Build time, memory, then one a ray kind over triangles and over rays; run by run.
+std::vector<GrowthChart> growth_charts(const Dossier& dossier);
 
 /// The frames of an animation, by scene and tracer, in file order.
 std::vector<Entry<FrameTimingRecord>> animations(const Dossier& dossier);

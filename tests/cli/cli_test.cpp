@@ -547,6 +547,23 @@ TEST(Bench, shows_embree_four_times_with_errors_beside_the_speed) {
     EXPECT_NE(outcome.out.find("errors"), std::string::npos);
 }
 
+TEST(Bench, times_only_the_references_asked_for_and_lets_slow_ones_go) {
+    const TemporaryFolder folder;
+    const Outcome outcome = onepass_in(
+        folder, {"bench", "balls-1", "-s", "embree/fast/threads", "--reference",
+                 "embree/robust/1thread", "--size", "64x64", "--rays", "primary", "--warm-up", "0",
+                 "--repetitions", "20", "--enough", "0", "--json", "run.json"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Results results = read_results(folder.path() / "run.json");
+    ASSERT_EQ(results.timings.size(), 3u);
+    EXPECT_EQ(results.timings[0].tracer, "embree/robust/threads") << "the oracle always is there";
+    EXPECT_EQ(results.timings[0].wall_ms.size(), 20u);
+    EXPECT_EQ(results.timings[1].tracer, "embree/robust/1thread");
+    EXPECT_EQ(results.timings[1].wall_ms.size(), 9u);
+    EXPECT_EQ(results.timings[2].tracer, "embree/fast/threads");
+    EXPECT_TRUE(results.paces.empty()) << "no tracer here has a device timer";
+}
+
 TEST(Bench, refuses_too_few_repetitions) {
     const TemporaryFolder folder;
     expect_refused(folder,
@@ -581,6 +598,76 @@ TEST(Bench, refuses_to_choose_strategies_for_its_settings) {
     const TemporaryFolder folder;
     expect_refused(folder, {"bench", "knife", "--settings", "-s", "paper"}, "--settings");
     expect_refused(folder, {"bench", "knife", "--entry", "compute"}, "--settings");
+}
+
+const std::vector<std::string> kSmallGrowth = {"grow",
+                                               "-s",
+                                               "grid/buffer/twin32",
+                                               "-s",
+                                               "embree/fast/threads",
+                                               "--triangles",
+                                               "1e3,2e3,4e3",
+                                               "--ray-counts",
+                                               "64,256",
+                                               "--fixed-rays",
+                                               "256",
+                                               "--fixed-triangles",
+                                               "1000",
+                                               "--repetitions",
+                                               "9",
+                                               "--judged",
+                                               "64",
+                                               "-o",
+                                               "out"};
+
+TEST(Grow, measures_every_size_fits_exponents_and_draws_them) {
+    const TemporaryFolder folder;
+    const Outcome outcome = onepass_in(folder, kSmallGrowth);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Results results = read_results(folder.path() / "out/growth.json");
+    EXPECT_EQ(results.growth_builds.size(), 3u * 3u) << "three sizes by three tracers";
+    EXPECT_EQ(results.growth_traces.size(), 5u * 3u * 3u) << "five steps, three kinds of rays";
+    for (const GrowthTrace& trace : results.growth_traces) {
+        EXPECT_EQ(trace.wall_ms.size(), 9u);
+        EXPECT_GT(trace.judged, 0u);
+        if (trace.tracer.starts_with("grid/")) {
+            EXPECT_EQ(trace.errors, 0u) << trace.rays;
+        }
+    }
+    EXPECT_NE(outcome.out.find("time over rays, random, grid/buffer/twin32"), std::string::npos)
+        << outcome.out;
+    const std::string page = read_bytes(folder.path() / "out/growth.html");
+    EXPECT_NE(page.find("How cost grows"), std::string::npos);
+}
+
+TEST(Grow, stopped_keeps_the_sizes_it_finished_and_goes_on_from_there) {
+    const TemporaryFolder folder;
+    std::vector<std::string> grow = kSmallGrowth;
+    grow[6] = "1e3,2e3,5e5";
+    const pid_t child = start(folder, grow);
+    const auto part = folder.path() / "out/parts/triangles-1000.json";
+    for (int tick = 0; tick < 6000 && !std::filesystem::exists(part); ++tick) usleep(10000);
+    kill(child, SIGINT);
+    const Outcome stopped = finish(folder, child);
+    EXPECT_EQ(stopped.exit_code, 130) << stopped.err;
+    EXPECT_NE(stopped.err.find("of 5 sizes are kept"), std::string::npos) << stopped.err;
+    const Results partial = read_results(folder.path() / "out/growth.json");
+    EXPECT_FALSE(partial.manifest.complete);
+    EXPECT_GE(partial.growth_builds.size(), 3u);
+
+    const Outcome resumed = onepass_in(folder, kSmallGrowth);
+    EXPECT_EQ(resumed.exit_code, 0) << resumed.err;
+    EXPECT_NE(resumed.err.find("triangles-1000: kept"), std::string::npos)
+        << "another list of sizes, the same size: " << resumed.err;
+    EXPECT_EQ(read_results(folder.path() / "out/growth.json").growth_builds.size(), 9u);
+}
+
+TEST(Grow, refuses_numbers_that_are_no_counts) {
+    const TemporaryFolder folder;
+    expect_refused(folder, {"grow", "--triangles", "1.5"}, "--triangles");
+    expect_refused(folder, {"grow", "--ray-counts", "1e20"}, "--ray-counts");
+    expect_refused(folder, {"grow", "--triangles", "4", "-s", "embree/fast/threads"}, "lumpy");
+    expect_refused(folder, {"grow", "--repetitions", "3"}, "--repetitions");
 }
 
 TEST(Tune, refuses_a_strategy_without_grids) {
@@ -742,6 +829,28 @@ TEST(Report, refuses_what_is_no_result) {
     folder.write("bad.json", "{\"schema_version\": 1");
     expect_refused(folder, {"report", "bad.json", "-o", "page.html"}, "bad.json");
     expect_refused(folder, {"report", "missing.json", "-o", "page.html"}, "missing.json");
+}
+
+TEST(Scenes, exported_are_benched_through_the_same_camera) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(onepass_in(folder, {"scenes", "export", "knife", "-o", "knife.glb"}).exit_code, 0);
+    for (const char* scene : {"knife", "knife.glb"}) {
+        const Outcome outcome = onepass_in(
+            folder, {"bench",         scene,     "-s",        "embree/fast/threads",
+                     "--camera",      "0",       "--rays",    "primary",
+                     "--rays",        "diffuse", "--rays",    "random",
+                     "--size",        "32x32",   "--warm-up", "0",
+                     "--repetitions", "9",       "--json",    std::string(scene) + ".json"});
+        ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    }
+    const Results named = read_results(folder.path() / "knife.json");
+    const Results exported = read_results(folder.path() / "knife.glb.json");
+    ASSERT_EQ(named.checks.size(), exported.checks.size());
+    for (size_t i = 0; i < named.checks.size(); ++i) {
+        EXPECT_EQ(named.checks[i].ray_hash, exported.checks[i].ray_hash) << named.checks[i].rays;
+    }
+    expect_refused(folder, {"bench", "knife.glb", "--camera", "1", "--rays", "primary"},
+                   "camera 1");
 }
 
 TEST(Scenes, exports_gltf_that_renders_again) {

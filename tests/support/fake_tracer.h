@@ -21,6 +21,9 @@ class FakeTracer final : public Tracer {
     std::function<Hit(const Ray&)> answer = [](const Ray&) { return Hit{}; };
     std::function<uint32_t(const Ray&)> flag = [](const Ray&) { return 0u; };  ///< RayFlag bits
     double cast_ms = 1.0;
+    std::function<double()> device_ms = [] {  ///< of each cast
+        return std::numeric_limits<double>::quiet_NaN();
+    };
     double frame_ms = 1.0;          ///< of each render, which adds the name to `log` as well
     std::vector<Stat> frame_costs;  ///< of each render
     vec3 color{0.0f};               ///< of every pixel
@@ -49,7 +52,7 @@ class FakeTracer final : public Tracer {
             if (options.counters) result.counters.push_back(cost);
         }
         result.wall_ms = cast_ms;
-        result.device_ms = std::numeric_limits<double>::quiet_NaN();
+        result.device_ms = device_ms();
         return result;
     }
     std::optional<RayWalk> walk(const Ray&) override { return way; }

@@ -56,6 +56,15 @@ TEST(PixelOrder, walks_tiles_of_eight_by_four) {
     EXPECT_EQ(order[64], 64u) << "the second row of tiles";
 }
 
+TEST(PixelOrder, keeps_the_32_rays_of_a_tile_together) {
+    const uint32_t width = 64, height = 32;
+    const auto order = pixel_order(width, height, true);
+    for (size_t ray = 0; ray < order.size(); ++ray) {
+        const uint32_t x = order[ray] % width, y = order[ray] / width;
+        EXPECT_EQ(x / 8 + width / 8 * (y / 4), ray / 32) << "ray " << ray;
+    }
+}
+
 TEST(PixelOrder, visits_every_pixel_once_whatever_the_size) {
     for (const auto& [width, height] : {std::pair{13u, 7u}, {1u, 1u}, {8u, 4u}, {3u, 9u}}) {
         for (const bool tiled : {true, false}) {
@@ -137,6 +146,25 @@ TEST(MakeRaySet, starts_secondary_rays_above_the_surface) {
             ASSERT_GT(ray.dir.z, 0.0f) << kind;
         }
     }
+}
+
+TEST(MakeRaySet, casts_one_diffuse_ray_from_each_primary_hit_and_follows_the_cosine) {
+    const Scene scene = square_scene();
+    FakeTracer tracer = square_tracer();
+    const RayRequest request{.width = 128, .height = 128, .seed = 7};
+    const RaySet primary = make_ray_set("primary", scene, tracer, request);
+    std::vector<uint32_t> hits;
+    for (size_t i = 0; i < primary.rays.size(); ++i) {
+        if (tracer.answer(primary.rays[i]).is_hit()) hits.push_back(primary.pixels[i]);
+    }
+    const RaySet diffuse = make_ray_set("diffuse", scene, tracer, request);
+    EXPECT_EQ(diffuse.pixels, hits) << "in the order of the tiles";
+    double cosines = 0.0;
+    for (const Ray& ray : diffuse.rays) cosines += ray.dir.z;
+    const double n = static_cast<double>(diffuse.rays.size());
+    // The mean of cos under density cos / pi is 2/3, its standard deviation sqrt(1/18); five of
+    // them.
+    EXPECT_NEAR(cosines / n, 2.0 / 3.0, 5.0 * std::sqrt(1.0 / 18.0 / n));
 }
 
 TEST(MakeRaySet, ends_shadow_rays_at_the_light) {

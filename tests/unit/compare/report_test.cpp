@@ -366,6 +366,37 @@ Results sample_paper_run() {
     return run;
 }
 
+Results sample_growth_run() {
+    Results run;
+    run.manifest = sample_manifest("grow");
+    for (const std::string& tracer : {kRobust, kCompute}) {
+        const double slowness = tracer == kRobust ? 3.0 : 1.0;
+        for (const uint64_t n : {10'000u, 100'000u, 1'000'000u}) {
+            const double x = static_cast<double>(n);
+            run.growth_builds.push_back(
+                {"ball", n, tracer, "", {slowness * 1e-3 * x}, 80 * n, 5 * n, 6 * n, ""});
+            run.growth_traces.push_back({"ball",
+                                         n,
+                                         tracer,
+                                         "",
+                                         "random",
+                                         65536,
+                                         false,
+                                         std::vector<double>(9, slowness * std::pow(x, 0.25)),
+                                         {},
+                                         4096,
+                                         tracer == kRobust ? 2u : 0u,
+                                         1});
+        }
+    }
+    GrowthBuild refused = run.growth_builds.back();
+    refused.triangles = 10'000'000;
+    refused.build_ms.clear();
+    refused.failure = "more <cells> than fit";
+    run.growth_builds.push_back(refused);
+    return run;
+}
+
 // ---- The tests.
 
 class Report : public testing::Test {
@@ -683,6 +714,38 @@ TEST_F(Report, writes_the_sample_page_where_asked) {
     if (const char* path = std::getenv("ONEPASS_REPORT_SAMPLE")) write_file(path, page);
     EXPECT_TRUE(page.starts_with("<!doctype html>"));
     EXPECT_EQ(page.find("{{title}}"), std::string::npos);
+}
+
+TEST_F(Report, draws_growth_on_log_axes_with_its_exponents_and_errors) {
+    const std::string page = render({sample_growth_run()});
+    const std::string seen = without_breaks(visible(page));
+    EXPECT_EQ(count_of(seen, "data-chart=\"growth\""), 3u) << "build, memory, random rays";
+    EXPECT_NE(seen.find("<td class=\"speed\">0.250<small>± 0.000</small>"), std::string::npos)
+        << "the exponent";
+    EXPECT_NE(seen.find("2<small>of 4,096</small>"), std::string::npos) << "errors of a sample";
+    EXPECT_NE(seen.find("more &lt;cells&gt; than fit"), std::string::npos);
+    EXPECT_NE(page.find("\"exponent\":0.25"), std::string::npos) << "for the chart";
+    EXPECT_EQ(render({sample_bench_run()}).find("id=\"growth\""), std::string::npos);
+}
+
+TEST_F(Report, shows_the_devices_own_rate_and_whether_it_held_its_pace) {
+    Results run = sample_bench_run();
+    TimingRecord& timing = run.timings[2];
+    ASSERT_EQ(timing.tracer, kCompute);
+    timing.oracle_wall_ms.assign(9, 100.0);
+    timing.device_ms.assign(9, 0.25);
+    timing.ray_count = 1'000'000;
+    run.paces = {{"bunny", "primary", 1'000'000, 321, 1500.0, 0.004, true, "An invented GPU",
+                  ClockReading{1980, 2619, 41}, ClockReading{1965, 2619, 55}},
+                 {"balls-1", "primary", 1'000'000, 321, 20000.0, 0.04, false, "not known: a reason",
+                  std::nullopt, std::nullopt}};
+    const std::string seen = visible(render({run}));
+    EXPECT_NE(seen.find("0.2500<small>4,000 Mrays/s</small><small>400 ×"), std::string::npos);
+    EXPECT_NE(seen.find("1,980 MHz<small>memory 2,619 MHz, 41 °C</small>"), std::string::npos);
+    EXPECT_NE(seen.find("1,965 MHz"), std::string::npos);
+    EXPECT_NE(seen.find("not known: a reason"), std::string::npos);
+    EXPECT_EQ(count_of(seen, "not steady"), 1u);
+    EXPECT_EQ(visible(render({sample_bench_run()})).find("Pace of the device"), std::string::npos);
 }
 
 TEST(ReportNumbers, keep_significant_digits_and_never_an_exponent) {

@@ -219,6 +219,12 @@ Results full_results() {
                           .ratio = 0.5,
                           .ratio_low = 0.25,
                           .ratio_high = 0.75}};
+    results.paces = {{"bunny", "random", 1024, 12, 600.5, 0.125, true, "a GPU",
+                      ClockReading{1980.0, 2619.0, kNan}, std::nullopt}};
+    results.growth_builds = {
+        {"ball", 1000, "paper/x/y", "density=2", {1.5, 2.5}, 4096, 5000, 6000, "refused"}};
+    results.growth_traces = {
+        {"ball", 1000, "paper/x/y", "density=2", "diffuse", 512, true, {3.5}, {0.25}, 64, 3, 2}};
     return results;
 }
 
@@ -266,11 +272,23 @@ TEST(ResultsJson, reads_back_what_was_written) {
     EXPECT_EQ(claim.measurements[0].expectation, Expectation::possible);
     EXPECT_EQ(claim.measurements[0].verdict, ClaimVerdict::fails);
     EXPECT_TRUE(std::isinf(claim.measurements[0].ratio));
+    EXPECT_EQ(again.paces[0].before->memory_mhz, 2619.0);
+    EXPECT_FALSE(again.paces[0].after) << "clocks that could not be read stay absent";
+    EXPECT_EQ(again.growth_builds[0].build_ms, (std::vector<double>{1.5, 2.5}));
+    EXPECT_TRUE(again.growth_traces[0].growing_rays);
+}
+
+TEST(ResultsJson, reads_files_that_are_older_than_its_last_lists) {
+    auto document = nlohmann::json::parse(to_json(full_results()));
+    for (const char* list : {"paces", "growth_builds", "growth_traces"}) document.erase(list);
+    const Results old = results_from_json(document.dump(), "old.json");
+    EXPECT_TRUE(old.paces.empty());
+    EXPECT_EQ(old.sweeps.size(), 1u);
 }
 
 TEST(ResultsJson, holds_every_member_of_every_record) {
     const auto document = nlohmann::json::parse(to_json(full_results()));
-    EXPECT_EQ(document.size(), 12u) << "the version and the members of Results";
+    EXPECT_EQ(document.size(), 15u) << "the version and the members of Results";
     EXPECT_EQ(document["manifest"].size(), 17u);
     EXPECT_EQ(document["scenes"][0].size(), 7u);
     EXPECT_EQ(document["tracers"][0].size(), 11u);
@@ -285,6 +303,10 @@ TEST(ResultsJson, holds_every_member_of_every_record) {
     EXPECT_EQ(document["images"][0].size(), 18u);
     EXPECT_EQ(document["timings"][0].size(), 15u);
     EXPECT_EQ(document["sweeps"][0].size(), 17u);
+    EXPECT_EQ(document["paces"][0].size(), 10u);
+    EXPECT_EQ(document["paces"][0]["before"].size(), 3u);
+    EXPECT_EQ(document["growth_builds"][0].size(), 9u);
+    EXPECT_EQ(document["growth_traces"][0].size(), 12u);
     const auto& worst = document["checks"][0]["classes"]["false_hit"]["worst"];
     EXPECT_EQ(worst.size(), 5u);
     EXPECT_EQ(worst["ray"].size(), 4u);

@@ -75,5 +75,36 @@ TEST(RatioOfMedians, of_nothing_is_not_a_number) {
     EXPECT_TRUE(std::isnan(ratio_of_medians({}, {}, 1).ratio));
 }
 
+TEST(FitPower, finds_the_law_of_points_that_follow_one) {
+    std::vector<double> x, y;
+    for (const double value : {10.0, 100.0, 1000.0, 10000.0}) {
+        x.push_back(value);
+        y.push_back(3.0 * std::pow(value, 0.75));
+    }
+    const PowerLaw law = fit_power(x, y);
+    constexpr double kRounding = 1e-12;  // a few logarithms and sums in double
+    EXPECT_NEAR(law.exponent, 0.75, kRounding);
+    EXPECT_NEAR(law.factor, 3.0, 10 * kRounding);
+    EXPECT_NEAR(law.standard_error, 0.0, 1e-7) << "the root of a sum of rounding errors";
+}
+
+TEST(FitPower, has_the_standard_error_of_a_regression) {
+    // Logarithms (0, 1, 2) -> (0, 2, 1): slope 1/2, residuals -1/2, 1, -1/2; sqrt(1.5 / 1 / 2).
+    const double e = std::exp(1.0);
+    const std::vector<double> x = {1.0, e, e * e}, y = {1.0, e * e, e};
+    EXPECT_NEAR(fit_power(x, y).exponent, 0.5, 1e-12);
+    EXPECT_NEAR(fit_power(x, y).standard_error, std::sqrt(0.75), 1e-12);
+}
+
+TEST(FitPower, claims_nothing_that_the_points_do_not_tell) {
+    const std::vector<double> two = {1.0, 10.0}, same = {5.0, 5.0};
+    EXPECT_NEAR(fit_power(two, two).exponent, 1.0, 1e-12);
+    EXPECT_TRUE(std::isnan(fit_power(two, two).standard_error)) << "a line through two points";
+    EXPECT_TRUE(std::isnan(fit_power(same, two).exponent));
+    EXPECT_TRUE(std::isnan(fit_power({}, {}).exponent));
+    const std::vector<double> x = {1.0, 10.0, 100.0}, y = {1.0, 10.0, 0.0};
+    EXPECT_NEAR(fit_power(x, y).exponent, 1.0, 1e-12) << "what has no logarithm is left out";
+}
+
 }  // namespace
 }  // namespace onepass

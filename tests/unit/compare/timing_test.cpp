@@ -2,6 +2,7 @@
 #include "compare/timing.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -96,6 +97,106 @@ TEST(TimeCasts, returns_whole_rounds_when_stopped) {
     const Progress stop = [](double done) { return done < 0.5; };
     const auto records = time_casts(tracers.all, 0, some_rays(1), quick(10), stop);
     for (const TimingRecord& record : records) EXPECT_EQ(record.wall_ms.size(), 5u);
+}
+
+/// A tracer with a timer, whose n-th cast takes pace(n) ms by it.
+struct TimedTracers : ThreeTracers {
+    int casts = 0;
+
+    explicit TimedTracers(std::function<double(int)> pace) {
+        b.abilities.device_timer = true;
+        b.device_ms = [this, pace = std::move(pace)] { return pace(casts++); };
+    }
+};
+
+TimingOptions quick_and_steady() {
+    TimingOptions options = quick();
+    options.steadiness.apart_ms = 0.0;
+    return options;
+}
+
+TEST(TimeCasts, keeps_a_device_at_work_until_its_pace_is_steady) {
+    // A chip that wakes: twice as slow at first, within 1 % of its best after some 60 casts.
+    TimedTracers tracers([](int n) { return 1.0 + std::exp(-n / 13.0); });
+    WarmUp seen;
+    const auto records = time_casts(tracers.all, 0, some_rays(1), quick_and_steady(), {},
+                                    [&](const WarmUp& warm_up) { seen = warm_up; });
+    EXPECT_TRUE(seen.steady);
+    EXPECT_LE(seen.change, 0.01);
+    EXPECT_GT(seen.rounds, 40u);
+    // Paces 5 casts apart differ by less than 1 %: the rest to come is at most 1 / (1 - e^(-5/13))
+    // of that.
+    for (const double ms : records[1].device_ms) EXPECT_LT(ms, 1.035);
+    EXPECT_EQ(tracers.log.size() - static_cast<size_t>(tracers.casts), 2u * (2u + 9u))
+        << "the others are not kept at work";
+}
+
+TEST(TimeCasts, gives_up_on_a_device_that_does_not_hold_its_pace) {
+    TimedTracers tracers([](int n) { return 1.0 + n; });
+    TimingOptions options = quick_and_steady();
+    options.steadiness.change = 0.0;
+    options.steadiness.at_most_ms = 5.0;
+    WarmUp seen;
+    seen.steady = true;
+    time_casts(tracers.all, 0, some_rays(1), options, {},
+               [&](const WarmUp& warm_up) { seen = warm_up; });
+    EXPECT_FALSE(seen.steady);
+    EXPECT_GE(seen.ms, 5.0);
+}
+
+TEST(TimeCasts, wakes_a_device_before_each_counted_cast) {
+    // Of the casts after the warm-up every second counts.
+    TimedTracers tracers([](int) { return 1.0; });
+    int warmed_at = 0;
+    time_casts(tracers.all, 0, some_rays(1), quick_and_steady(), {},
+               [&](const WarmUp&) { warmed_at = tracers.casts; });
+    EXPECT_EQ(tracers.casts - warmed_at, 2 * 9);
+}
+
+TEST(TimeCasts, lets_slow_tracers_go_when_they_have_had_enough) {
+    ThreeTracers tracers;
+    tracers.a.cast_ms = 100.0;
+    tracers.c.cast_ms = 100.0;
+    TimingOptions options = quick(30);
+    options.enough_ms = 1500.0;
+    const auto records = time_casts(tracers.all, 0, some_rays(1), options);
+    EXPECT_EQ(records[0].wall_ms.size(), 30u) << "the oracle stays: every ratio needs it";
+    EXPECT_EQ(records[1].wall_ms.size(), 30u) << "fast";
+    EXPECT_EQ(records[2].wall_ms.size(), 15u) << "1500 ms";
+    EXPECT_EQ(records[2].oracle_wall_ms.size(), 15u) << "of the rounds it took part in";
+    options.enough_ms = 200.0;
+    EXPECT_EQ(time_casts(tracers.all, 0, some_rays(1), options)[2].wall_ms.size(),
+              kLeastRepetitions);
+}
+
+TEST(DeviceSpeed, is_of_the_devices_own_time_and_absent_without_a_timer) {
+    TimedTracers tracers([](int) { return 0.5; });
+    tracers.a.cast_ms = 4.0;
+    const auto records = time_casts(tracers.all, 0, some_rays(1000), quick_and_steady());
+    const DeviceSpeed speed = device_speed(records[1], 0);
+    EXPECT_EQ(speed.median_ms, 0.5);
+    EXPECT_EQ(speed.mrays_per_s, 2.0);
+    EXPECT_EQ(speed.ratio.ratio, 8.0);
+    EXPECT_TRUE(std::isnan(device_speed(records[0], 0).mrays_per_s));
+}
+
+TEST(TimeWithPace, reads_the_clocks_around_the_counted_casts) {
+    TimedTracers tracers([](int) { return 1.0; });
+    std::vector<int> read_at;
+    const DeviceClocks clocks{"a GPU", [&] {
+                                  read_at.push_back(tracers.casts);
+                                  return ClockReading{1000.0 + tracers.casts, 2000.0, 40.0};
+                              }};
+    const PacedTimings paced =
+        time_with_pace(tracers.all, 0, some_rays(7), quick_and_steady(), clocks);
+    ASSERT_TRUE(paced.pace);
+    EXPECT_EQ(paced.pace->clocks_of, "a GPU");
+    EXPECT_EQ(paced.pace->ray_count, 7u);
+    ASSERT_EQ(read_at.size(), 2u);
+    EXPECT_EQ(read_at[1] - read_at[0], 2 * 9) << "nothing but the counted casts and their wakers";
+    EXPECT_EQ(paced.pace->after->sm_mhz, 1000.0 + read_at[1]);
+    ThreeTracers no_timer;
+    EXPECT_FALSE(time_with_pace(no_timer.all, 0, some_rays(1), quick(), {}).pace);
 }
 
 // Sweeps.

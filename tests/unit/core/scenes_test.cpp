@@ -1,6 +1,7 @@
 // The built-in scenes and the shapes they are made of.
 #include "scenes/scenes.h"
 
+#include <cmath>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -200,6 +201,28 @@ TEST(BigSmall, holds_six_large_triangles_and_many_small_ones_in_one_object) {
     for (size_t i = 6; i < object.triangles.size(); ++i) EXPECT_LT(longest_edge(i), 0.5f);
 }
 
+TEST(LumpyBall, is_closed_and_of_one_shape_at_every_size) {
+    double coarser_volume = 0.0;
+    for (const uint64_t asked : {8u, 200u, 10'000u, 40'000u}) {
+        const Scene scene = make_lumpy_ball(asked);
+        validate(scene);
+        const Object& ball = scene.objects[0];
+        EXPECT_TRUE(is_closed(ball)) << asked;
+        EXPECT_EQ(ball.positions.size(), ball.triangles.size() / 2 + 2) << "Euler, of a sphere";
+        // 8 m^2 triangles, m rounded: off by less than ((m + 1/2) / m)^2.
+        const double m = std::sqrt(static_cast<double>(asked) / 8.0);
+        EXPECT_NEAR(static_cast<double>(ball.triangles.size()) / static_cast<double>(asked), 1.0,
+                    1.0 / m + 0.25 / (m * m));
+        const double volume = signed_volumes(ball).at(0);
+        EXPECT_GT(volume, 0.0) << "counter-clockwise from outside";
+        if (asked > 10'000) {
+            EXPECT_NEAR(volume / coarser_volume, 1.0, 0.01) << "chords cut corners";
+        }
+        coarser_volume = volume;
+    }
+    EXPECT_THROW(make_lumpy_ball(7), Error);
+}
+
 // ---- By name ----
 
 TEST(LoadScene, knows_every_name_that_it_lists) {
@@ -254,18 +277,38 @@ void load_or_skip(const std::string& name, LoadedScene& loaded) {
     }
 }
 
+/// The view that published figures of a mesh are measured from, stated once more: 0.75 diagonals of
+/// the box from its centre towards `direction`, looking at the centre, 45 degrees from top to
+/// bottom.
+void expect_published_view(const Scene& scene, const vec3& direction, const vec3& up) {
+    constexpr float kRounding = 1e-5f;  // float sums, far below what a pixel of 1024 spans
+    ASSERT_FALSE(scene.cameras.empty());
+    const Camera& camera = scene.cameras[0];
+    const Affine& axes = camera.world_from_camera;
+    const Bounds box = scene_bounds(scene);
+    const vec3 eye = (axes[3] - box.centre()) / box.diagonal();
+    EXPECT_NEAR(glm::distance(eye, 0.75f * glm::normalize(direction)), 0.0f, kRounding);
+    EXPECT_NEAR(glm::dot(-axes[2], -glm::normalize(eye)), 1.0f, kRounding) << "at the centre";
+    EXPECT_NEAR(glm::dot(axes[0], up), 0.0f, kRounding) << "level";
+    EXPECT_GT(glm::dot(axes[1], up), 0.0f);
+    EXPECT_NEAR(camera.vertical_fov, 0.25f * 3.14159265f, kRounding);
+}
+
+/// What is exported runs where no importer of meshes is: the view has to go along.
+void expect_the_same_view_from_glb(const Scene& scene) {
+    const TemporaryFolder folder;
+    write_gltf(scene, folder.path() / "scene.glb");
+    EXPECT_EQ(load_scene((folder.path() / "scene.glb").string()).scene.cameras, scene.cameras);
+}
+
 TEST(LoadScene, bunny_has_its_triangles_and_the_published_view) {
     LoadedScene loaded;
     load_or_skip("bunny", loaded);
     if (IsSkipped()) return;
-    const Scene& scene = loaded.scene;
-    EXPECT_EQ(instanced_triangle_count(scene), 69666u);
-    EXPECT_TRUE(is_closed(scene.objects[0]));
-    const Bounds box = scene_bounds(scene);
-    const vec3 offset = scene.cameras[0].world_from_camera[3] - box.centre();
-    EXPECT_NEAR(glm::length(offset) / box.diagonal(), 0.75f, 1e-5f);  // float sums
-    EXPECT_NEAR(glm::dot(glm::normalize(offset), glm::normalize(vec3(0.3f, 0.25f, 1))), 1.0f,
-                1e-5f);
+    EXPECT_EQ(instanced_triangle_count(loaded.scene), 69666u);
+    EXPECT_TRUE(is_closed(loaded.scene.objects[0]));
+    expect_published_view(loaded.scene, vec3(0.3f, 0.25f, 1.0f), vec3(0, 1, 0));
+    expect_the_same_view_from_glb(loaded.scene);
 }
 
 TEST(LoadScene, cornell_has_its_triangles_and_colours) {
@@ -283,12 +326,14 @@ TEST(LoadScene, cornell_has_its_triangles_and_colours) {
     EXPECT_EQ(green, 1);
 }
 
-TEST(LoadScene, motorbike_has_its_triangles_in_67_groups) {
+TEST(LoadScene, motorbike_has_its_triangles_in_67_groups_and_the_published_view) {
     LoadedScene loaded;
     load_or_skip("motorbike", loaded);
     if (IsSkipped()) return;
     EXPECT_EQ(instanced_triangle_count(loaded.scene), 331653u);
     EXPECT_EQ(loaded.scene.objects[0].groups.size(), 67u);
+    expect_published_view(loaded.scene, vec3(-0.5f, -1.0f, 0.35f), vec3(0, 0, 1));
+    expect_the_same_view_from_glb(loaded.scene);
 }
 
 TEST(LoadScene, the_real_sr71a_has_148_parts_and_takes_its_stand_ins_place) {
