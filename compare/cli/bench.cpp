@@ -32,7 +32,7 @@ std::vector<SelectedStrategy> contestants(const Session& session, const Strategy
     std::vector<SelectedStrategy> all = {{&session.catalogue.at(kOracleName), {}}};
     std::vector<SelectedStrategy> others;
     for (const CatalogueEntry* entry : session.catalogue.select("embree/*")) {
-        others.push_back({entry, {}});
+        if (entry->info.by_default) others.push_back({entry, {}});
     }
     for (SelectedStrategy& strategy : select_strategies(session.catalogue, options)) {
         others.push_back(std::move(strategy));
