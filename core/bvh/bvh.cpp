@@ -32,7 +32,7 @@ struct Item {
 
 /// Ranges above this are binned, and their halves built, by several threads.
 constexpr size_t kItemsATask = 4096;
-constexpr uint32_t kMostBins = 64;
+constexpr uint32_t kMostBins = 32;
 /// Leaves are addressed with 27 bits (gpu_glsl/pack/bvh_buffers.h).
 constexpr size_t kMostPrimitives = size_t{1} << 27;
 
@@ -202,7 +202,9 @@ class Builder {
             halve(first, middle, last, extent);
             return middle;
         }
-        const BinFrame frame(extent.centres, settings_.bins);
+        // A few primitives fill a few bins.
+        const auto enough = static_cast<uint32_t>(std::min<size_t>(count + 2, settings_.bins));
+        const BinFrame frame(extent.centres, enough);
         const std::optional<Split> best =
             best_split(bins_of(first, last, frame), frame, area(extent.boxes));
         const double leaf_cost = settings_.test_cost * static_cast<double>(count);
