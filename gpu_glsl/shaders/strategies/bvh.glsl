@@ -1,5 +1,5 @@
 //! strategy: bvh
-//! summary: a bounding volume hierarchy, to compare grids with: binned SAH, two levels, near child first
+//! summary: a bounding volume hierarchy, to compare grids with: two levels, binned SAH
 //! source: Wald 2007; Aila & Laine 2009; Ize 2013; Woop, Benthin & Wald 2013
 //! structure: bvh
 //! storage: buffer

@@ -71,9 +71,9 @@ void decide(DoubleRay local, int axis, Triangle triangle, uint inst_id, uint pri
 
     PRECISE double z = w0 * a.at.z + w1 * b.at.z + w2 * c.at.z;
     PRECISE double t = z / (area * dir.z);
-    bool is_before = t < nearest.t ||
-                     (t == nearest.t && (inst_id < nearest.inst_id ||
-                                         (inst_id == nearest.inst_id && prim_id < nearest.prim_id)));
+    bool is_lower = inst_id < nearest.inst_id ||
+                    (inst_id == nearest.inst_id && prim_id < nearest.prim_id);
+    bool is_before = t < nearest.t || (t == nearest.t && is_lower);
     if (!is_before || !(t >= double(ray.tmin)) || !(t <= double(ray.tmax))) return;
     nearest = Nearest(t, float(w1 / area), float(w2 / area), prim_id, inst_id);
     NOTE_HIT(hit_of(nearest));

@@ -1,7 +1,8 @@
 // The bounding volume hierarchy in buffer textures: a tree over instances, and one an object.
 //
 // An object's vertices and boxes are stored in its own frame, without rounding: as the two-level
-// grid's are (storage/two_level_grid/buffer.glsl says how). The tree over instances is in the world.
+// grid's are (storage/two_level_grid/buffer.glsl says how). The tree over instances is in the
+// world.
 #pragma once
 #include "lib/dialect.glsl"
 #include "lib/ray.glsl"
