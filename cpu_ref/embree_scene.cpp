@@ -1,4 +1,4 @@
-// The only file that includes Embree's headers.
+// Devices, scenes and commits.
 //
 // Two traps of Embree 3.13.5 shape it. A device made with "threads=N" limits TBB in the whole
 // process, so every device is made without, and the number of threads is the caller's task arena.
@@ -266,20 +266,6 @@ void check_transforms(const std::vector<Placed>& placed,
     }
 }
 
-RTCRay to_rtc(const Ray& ray) {
-    RTCRay r{};
-    r.org_x = ray.org.x;
-    r.org_y = ray.org.y;
-    r.org_z = ray.org.z;
-    r.tnear = ray.tmin;
-    r.dir_x = ray.dir.x;
-    r.dir_y = ray.dir.y;
-    r.dir_z = ray.dir.z;
-    r.tfar = ray.tmax;
-    r.mask = ~0u;
-    return r;
-}
-
 float largest_component(const vec3& v) {
     const vec3 a = glm::abs(v);
     return std::max({a.x, a.y, a.z});
@@ -289,6 +275,9 @@ float largest_component(const vec3& v) {
 bool within(const vec3& v, float limit) {
     return std::abs(v.x) <= limit && std::abs(v.y) <= limit && std::abs(v.z) <= limit;
 }
+
+/// The list of one ray.
+constexpr std::array<uint32_t, 1> kOnlyOne = {0};
 
 }  // namespace
 
@@ -380,27 +369,20 @@ void EmbreeScene::update(std::span<const Affine> world_from_object) {
 EmbreeScene::~EmbreeScene() = default;
 
 Hit EmbreeScene::closest(const Ray& ray) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRayHit query{to_rtc(ray), {}};
-    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(impl_->traced, &context, &query);
-    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return {};
-    return {.t = query.ray.tfar,
-            .u = query.hit.u,
-            .v = query.hit.v,
-            .prim_id = query.hit.primID,
-            .inst_id = instanced() ? query.hit.instID[0] : 0};
+    Hit hit;
+    ask(Query::closest, EmbreeCall::one, {}, {&ray, 1}, kOnlyOne, {&hit, 1});
+    return hit;
 }
 
 bool EmbreeScene::occluded(const Ray& ray) const {
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    RTCRay query = to_rtc(ray);
-    rtcOccluded1(impl_->traced, &context, &query);
-    // Embree's answer is tfar = -inf; the empty rays that come with it already are not asked.
-    return query.tfar == -kInfinity;
+    Hit hit;
+    ask(Query::any, EmbreeCall::one, {}, {&ray, 1}, kOnlyOne, {&hit, 1});
+    return hit.is_hit();
+}
+
+void EmbreeScene::ask(Query query, EmbreeCall call, Coherence coherence, std::span<const Ray> rays,
+                      std::span<const uint32_t> which, std::span<Hit> hits) const {
+    ask_embree(impl_->traced, {query, call, coherence, instanced()}, rays, which, hits);
 }
 
 const RayLimits& EmbreeScene::limits() const { return impl_->limits; }

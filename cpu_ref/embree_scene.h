@@ -1,8 +1,9 @@
-// Embree's scene behind our words: build, closest hit, occlusion. embree_scene.cpp is the only file
-// that includes Embree's headers; everything else of cpu_ref and the program sees this page.
+// Embree's scene behind our words: build, closest hit, occlusion. embree_scene.cpp and
+// embree_calls.cpp are the only files that include Embree's headers; everything else of cpu_ref and
+// the program sees this page and embree_calls.h.
 //
 // Debian's Embree is built with assertions, so a ray it does not like ends the process. Which rays
-// those are stands here, in oracle_can_take(); closest() and occluded() must never get another.
+// those are stands here, in oracle_can_take(); no query must ever get another.
 #pragma once
 
 #include <memory>
@@ -12,6 +13,7 @@
 
 #include "core/scene.h"
 #include "core/types.h"
+#include "cpu_ref/embree_calls.h"
 
 namespace onepass {
 
@@ -52,8 +54,7 @@ struct EmbreeOptions {
     Quality quality = Quality::medium;  ///< RTCBuildQuality of every scene
 };
 
-/// A committed Embree scene. Queries are const, thread-safe, and one ray a call (rtcIntersect1,
-/// rtcOccluded1).
+/// A committed Embree scene. Queries are const and thread-safe.
 ///
 /// One RTCScene an object, prim ids in the order of Object::triangles; above them a scene of
 /// instances whose geometry id is the index into Scene::instances. A scene that is one instance
@@ -82,6 +83,9 @@ class EmbreeScene {
     Hit closest(const Ray& ray) const;
     /// True if anything is hit in [tmin, tmax]. The ray must pass oracle_can_take(ray, limits()).
     bool occluded(const Ray& ray) const;
+    /// Many rays, as ask_embree() says.
+    void ask(Query query, EmbreeCall call, Coherence coherence, std::span<const Ray> rays,
+             std::span<const uint32_t> which, std::span<Hit> hits) const;
 
     const RayLimits& limits() const;
     bool instanced() const;   ///< false: the upper level is left out

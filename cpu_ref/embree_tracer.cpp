@@ -1,8 +1,11 @@
-// Embree as tracers: casts with rtcIntersect1 / rtcOccluded1, renders with core/shading.h.
+// Embree as tracers: casts one ray a call, in packets or in streams; renders, one ray a call, with
+// core/shading.h.
 //
 // The number of threads is a TBB task arena's; "1thread" is a plain loop in the calling thread.
 #include "cpu_ref/embree_tracer.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <limits>
 #include <optional>
@@ -46,13 +49,17 @@ struct ResidentRays {
     std::vector<Ray> rays;
     std::vector<Ask> asks;
     RayLimits limits;  ///< that the asks rest on
+    bool coherent = false;
 };
 
-/// One of the four entries of the catalogue.
+/// One of the entries of the catalogue.
 struct Variant {
     std::string name;
     bool robust = true;
     bool one_thread = false;
+    EmbreeCall call = EmbreeCall::one;
+
+    bool casts_many() const { return call != EmbreeCall::one; }
 };
 
 /// Rays a task: long enough to hide the cost of a task, short enough to balance the cores.
@@ -86,6 +93,8 @@ class EmbreeTracer final : public Tracer {
           scene_(std::move(scene)),
           shading_(*scene_),
           version_(embree_version()),
+          call_(variant.call),
+          coherence_(variant.casts_many() ? params.text("coherence") : "incoherent"),
           threads_(thread_count(variant, params)),
           arena_(threads_) {
         const EmbreeOptions options{variant.robust, quality_of(params.text("quality"))};
@@ -96,6 +105,7 @@ class EmbreeTracer final : public Tracer {
 
     Capabilities capabilities() const override {
         Capabilities capabilities;
+        capabilities.render = call_ == EmbreeCall::one;
         capabilities.threads = static_cast<uint32_t>(threads_);
         capabilities.device = version_;
         return capabilities;
@@ -126,6 +136,7 @@ class EmbreeTracer final : public Tracer {
         resident->rays.assign(rays.begin(), rays.end());
         resident->limits = embree_->limits();
         resident->asks = asks_of(resident->rays, resident->limits);
+        resident->coherent = are_coherent(rays);
         return {rays.size(), resident};
     }
 
@@ -142,18 +153,29 @@ class EmbreeTracer final : public Tracer {
             asks_hold ? std::vector<Ask>() : asks_of(resident.rays, embree_->limits());
         const std::vector<Ask>& asks = asks_hold ? resident.asks : new_asks;
 
+        const Coherence coherence = coherence_of(resident);
         const auto answer = [&](size_t begin, size_t end) {
-            for (size_t i = begin; i < end; ++i) {
-                if (asks[i] == Ask::embree) {
-                    result.hits[i] = query(resident.rays[i], options.query);
-                } else if (asks[i] == Ask::answer_invalid) {
-                    result.flags[i] = kFlagOracleInvalid;
+            for (size_t first = begin; first < end; first += kRaysPerTask) {
+                std::array<uint32_t, kRaysPerTask> which;
+                size_t count = 0;
+                for (size_t i = first; i < std::min(end, first + kRaysPerTask); ++i) {
+                    if (asks[i] == Ask::embree) {
+                        which[count++] = static_cast<uint32_t>(i);
+                    } else if (asks[i] == Ask::answer_invalid) {
+                        result.flags[i] = kFlagOracleInvalid;
+                    }
                 }
+                embree_->ask(options.query, call_, coherence, resident.rays,
+                             std::span(which).first(count), result.hits);
             }
         };
         const Clock::time_point start = Clock::now();
         for_each_chunk(batch.count, kRaysPerTask, answer);
         result.wall_ms = ms_since(start);
+        if (call_ != EmbreeCall::one) {
+            const bool coherent = coherence == Coherence::coherent;
+            result.costs = {{"coherent", coherent ? 1.0 : 0.0, "what Embree was told of the rays"}};
+        }
         return result;
     }
 
@@ -174,6 +196,10 @@ class EmbreeTracer final : public Tracer {
     }
 
     Frame render(const Camera& camera, const RenderSettings& settings) override {
+        if (call_ != EmbreeCall::one) {
+            throw Error({name_, "a request for an image", "rays to cast: it renders nothing",
+                         "Choose a tracer that renders, such as embree/fast/threads."});
+        }
         const CameraFrame view = camera_frame(camera, settings.width, settings.height);
         const size_t pixels = size_t{settings.width} * settings.height;
         Frame frame;
@@ -203,12 +229,14 @@ class EmbreeTracer final : public Tracer {
     }
 
   private:
-    /// Query::any: is_hit() is the answer; ids and t are unspecified, because rtcOccluded1 gives
-    /// none. Ours are those of instance 0, triangle 0 at tmin.
+    Coherence coherence_of(const ResidentRays& rays) const {
+        const bool coherent = coherence_ == "auto" ? rays.coherent : coherence_ == "coherent";
+        return coherent ? Coherence::coherent : Coherence::incoherent;
+    }
+
     Hit query(const Ray& ray, Query kind) const {
         if (kind == Query::closest) return embree_->closest(ray);
-        if (!embree_->occluded(ray)) return {};
-        return {.t = ray.tmin, .u = 0.0f, .v = 0.0f, .prim_id = 0, .inst_id = 0};
+        return embree_->occluded(ray) ? some_hit(ray) : Hit{};
     }
 
     void shade_pixel(const Ray& primary, const RenderSettings& settings, size_t pixel,
@@ -246,6 +274,8 @@ class EmbreeTracer final : public Tracer {
     ScenePtr scene_;
     ShadingScene shading_;
     std::string version_;
+    EmbreeCall call_;
+    std::string coherence_;
     int threads_ = 1;
     tbb::task_arena arena_;
     std::optional<EmbreeScene> embree_;
@@ -264,18 +294,41 @@ std::vector<ParamInfo> params_of(const Variant& variant) {
                          .summary = "threads to build and trace with; 0: all usable cores",
                          .choices = {}});
     }
+    if (variant.casts_many()) {
+        infos.push_back({.name = "coherence",
+                         .type = ParamInfo::Type::choice,
+                         .default_value = "auto",
+                         .summary = "what Embree is told of the rays; auto: coherent where rays "
+                                    "that follow each other go nearly the same way",
+                         .choices = {"auto", "coherent", "incoherent"}});
+    }
     return infos;
+}
+
+const char* manner_of(EmbreeCall call) {
+    switch (call) {
+        case EmbreeCall::one:
+            return "one ray a call";
+        case EmbreeCall::packet8:
+            return "packets of 8 rays";
+        case EmbreeCall::packet16:
+            return "packets of 16 rays";
+        case EmbreeCall::stream:
+            return "streams of 256 rays";
+    }
+    return "";
 }
 
 CatalogueEntry entry_of(const Variant& variant) {
     CatalogueEntry entry;
     entry.info.name = variant.name;
-    entry.info.summary = std::string("Embree's BVH, one ray a call, ") +
+    entry.info.summary = std::string("Embree's BVH, ") + manner_of(variant.call) + ", " +
                          (variant.robust ? "robust" : "fast") + " mode, " +
                          (variant.one_thread ? "one thread" : "all threads");
     entry.info.source = embree_header_version();
     entry.info.params = params_of(variant);
     entry.info.is_oracle = true;
+    entry.info.by_default = !variant.casts_many();
     entry.make = [variant](ScenePtr scene, const ParamValues& values) -> std::unique_ptr<Tracer> {
         const Params params(variant.name, params_of(variant), values);
         return std::make_unique<EmbreeTracer>(variant, std::move(scene), params);
@@ -289,7 +342,13 @@ std::vector<CatalogueEntry> embree_tracers() {
     return {entry_of({"embree/robust/threads", true, false}),
             entry_of({"embree/fast/threads", false, false}),
             entry_of({"embree/robust/1thread", true, true}),
-            entry_of({"embree/fast/1thread", false, true})};
+            entry_of({"embree/fast/1thread", false, true}),
+            entry_of({"embree/robust/packet8", true, false, EmbreeCall::packet8}),
+            entry_of({"embree/fast/packet8", false, false, EmbreeCall::packet8}),
+            entry_of({"embree/robust/packet16", true, false, EmbreeCall::packet16}),
+            entry_of({"embree/fast/packet16", false, false, EmbreeCall::packet16}),
+            entry_of({"embree/robust/stream", true, false, EmbreeCall::stream}),
+            entry_of({"embree/fast/stream", false, false, EmbreeCall::stream})};
 }
 
 }  // namespace onepass

@@ -8,8 +8,10 @@
 
 #include <fmt/format.h>
 
+#include "core/bvh/bvh.h"
 #include "core/error.h"
 #include "core/grid/two_level_grid.h"
+#include "gpu_glsl/pack/bvh_buffers.h"
 #include "gpu_glsl/pack/shading_tables.h"
 #include "gpu_glsl/pack/two_level_buffers.h"
 #include "gpu_glsl/pack/two_level_textures.h"
@@ -196,6 +198,15 @@ void pack_two_level_virtual(PreparedStrategy& prepared, const TextureLimits& lim
 
 // ---- The two-level grid in buffers -------------------------------------------------------------
 
+/// Where empty space is crossed at once, more and smaller cells pay.
+constexpr double kBufferDensity = 16.0;
+
+std::vector<ParamInfo> two_level_buffer_params() {
+    std::vector<ParamInfo> params = two_level_sizing_params();
+    params.front().default_value = fmt::format("{}", kBufferDensity);
+    return params;
+}
+
 void pack_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
     const TwoLevelSizing sizing = two_level_sizing(prepared.params);
     const uint64_t built_before = triangle_grids_built();
@@ -214,6 +225,39 @@ void pack_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
     prepared.param_constants.push_back({"one_instance", prepared.scene->instances.size() == 1});
 }
 
+// ---- Bounding volume hierarchies in buffers ----------------------------------------------------
+
+std::vector<ParamInfo> bvh_params() {
+    using Type = ParamInfo::Type;
+    const BvhSettings settings;
+    return {
+        {"leaf_size",
+         Type::integer,
+         fmt::format("{}", settings.most_leaf),
+         "triangles of a leaf, at most",
+         {}},
+        {"test_cost",
+         Type::real,
+         fmt::format("{}", settings.test_cost),
+         "cost of a triangle test beside that of a node, for the surface area heuristic",
+         {}},
+    };
+}
+
+void pack_bvh(PreparedStrategy& prepared, const TextureLimits& limits) {
+    BvhSettings settings;
+    settings.most_leaf = static_cast<uint32_t>(
+        std::clamp(prepared.params.integer("leaf_size"), 0L, long{kBvhMostLeaf} + 1));
+    settings.test_cost = positive(prepared.params, "test_cost");
+    const TwoLevelBvh bvh = build_two_level_bvh(*prepared.scene, settings);
+    const auto start = std::chrono::steady_clock::now();
+    BvhBuffers packed = pack_bvh_buffers(*prepared.scene, bvh, limits);
+    prepared.stats = {{"build_ms", bvh.build_ms, "both levels, all threads"},
+                      {"pack_ms", ms_since(start), ""}};
+    prepared.param_constants.push_back({"has_top_level", prepared.scene->instances.size() > 1});
+    add_packed(prepared, packed);
+}
+
 // ---- All structures and storages ---------------------------------------------------------------
 
 /// How one storage of one structure is parametrised, built and packed.
@@ -228,8 +272,9 @@ constexpr Packing kPackings[] = {
     {"two_level_grid", "texture2d", two_level_texture_params, pack_two_level},
     {"two_level_grid", "texture2d_copies", two_level_params, pack_two_level_copies},
     {"two_level_grid", "texture2d_virtual", two_level_params, pack_two_level_virtual},
-    {"two_level_grid", "buffer", two_level_sizing_params, pack_in_buffers},
-    {"two_level_grid", "ssbo", two_level_sizing_params, pack_in_buffers},
+    {"two_level_grid", "buffer", two_level_buffer_params, pack_in_buffers},
+    {"two_level_grid", "ssbo", two_level_buffer_params, pack_in_buffers},
+    {"bvh", "buffer", bvh_params, pack_bvh},
 };
 
 const Packing& find_packing(const gl::StrategyInfo& info, const std::string& storage) {

@@ -22,7 +22,7 @@ struct BenchCommand {
     std::vector<std::string> scenes;
     StrategyOptions strategy;
     RayOptions rays{{"primary", "random"}, "512x512", 0};
-    std::vector<std::string> references = {"embree/*"};
+    std::vector<std::string> references = {"embree/*/threads", "embree/*/1thread"};
     TimingOptions timing;
     double enough_s = 5.0;
     bool settings = false;

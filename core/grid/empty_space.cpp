@@ -1,10 +1,6 @@
-// The chessboard distance transform, one axis after the other (Rosenfeld & Pfaltz 1968, in 3D).
-//
-// A cell's distance is at most one more than that of any of its neighbours, and two passes that
-// apply this in opposite directions are enough. First each row along x by itself (where steps that
-// double take the place of the passes); then the rows of each plane, from the row before, diagonal
-// neighbours included; then the planes, from the nine neighbours in the plane before. Every loop
-// treats all cells of a row alike, which the compiler turns into vector code.
+// The edge of the largest empty cube at a corner is one more than the least of its seven
+// neighbours' that lie in the cube's direction: so a pass over the grid against that direction
+// finds them all.
 #include "core/grid/empty_space.h"
 
 #include <algorithm>
@@ -12,153 +8,141 @@
 #include <utility>
 #include <vector>
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-
-#include "core/error.h"
 
 namespace onepass {
 namespace {
 
-/// Cells that are worth a task of their own.
-constexpr size_t kCellsATask = size_t{1} << 15;
+constexpr uint8_t kGreatest = kEmptyCubeEdges.back();
 
-/// Distances, row by row.
-struct Distances {
-    uint8_t* cells;
-    uvec3 dims;
-    uint8_t greatest;
+/// Adds the codes of a row's edges to the row's words: how many of the edges to choose from, but
+/// for the first, are no larger.
+void add_codes(uint32_t* __restrict codes, const uint8_t* __restrict edges, size_t count,
+               uint32_t shift, uint8_t* __restrict scratch) {
+    for (size_t x = 0; x < count; ++x) {
+        uint8_t code = 0;
+        for (size_t k = 1; k < kEmptyCubeEdges.size(); ++k) code += edges[x] >= kEmptyCubeEdges[k];
+        scratch[x] = code;
+    }
+    for (size_t x = 0; x < count; ++x) codes[x] |= uint32_t{scratch[x]} << shift;
+}
 
-    uint8_t* row(size_t y, size_t z) const { return cells + dims.x * (y + dims.y * z); }
+/// The longest step along a row: steps of 1, 2, 4, ... add up to all distances below kGreatest.
+constexpr size_t kLongestStep = 32;
+static_assert(2 * kLongestStep > kGreatest);
+
+/// One plane of edges with a border of the greatest edge: what is outside is empty.
+class Plane {
+  public:
+    explicit Plane(const uvec3& dims)
+        : pitch_(dims.x + 2), edges_(pitch_ * (dims.y + 2), kGreatest) {}
+
+    /// Row y from -1 to dims.y; of which cells -1 to dims.x may be read.
+    uint8_t* row(ptrdiff_t y) { return &edges_[pitch_ * static_cast<size_t>(y + 1) + 1]; }
+
+  private:
+    size_t pitch_;
+    std::vector<uint8_t> edges_;
 };
 
 /// By value, unlike std::min, and written so that g++ 12 finds the vector instruction.
 uint8_t least(uint8_t a, uint8_t b) { return a < b ? a : b; }
-uint8_t least(uint8_t a, uint8_t b, uint8_t c) { return least(least(a, b), c); }
 
-/// distance + step, but at most `greatest`, which is no less than `step`.
-uint8_t advance(uint8_t distance, uint8_t step, uint8_t greatest) {
-    return static_cast<uint8_t>(least(distance, static_cast<uint8_t>(greatest - step)) + step);
+/// distance + step, but at most kGreatest.
+uint8_t advance(uint8_t distance, uint8_t step) {
+    return static_cast<uint8_t>(least(distance, static_cast<uint8_t>(kGreatest - step)) + step);
 }
 
-uint8_t one_more(uint8_t distance, uint8_t greatest) { return advance(distance, 1, greatest); }
+/// Room for the steps of one row, with kLongestStep cells more on both sides.
+struct Scratch {
+    explicit Scratch(size_t count)
+        : a(count + 2 * kLongestStep, kGreatest), b(a), nearest(count + 2) {}
 
-/// A row with as many cells of the greatest distance on both sides as the longest step takes.
-class PaddedRow {
-  public:
-    PaddedRow(size_t count, uint8_t greatest) : cells_(count + 2 * kLongestStep, greatest) {}
-    uint8_t* data() { return cells_.data() + kLongestStep; }
-
-    static constexpr uint8_t kLongestStep = 128;
-
-  private:
-    std::vector<uint8_t> cells_;
+    std::vector<uint8_t> a;
+    std::vector<uint8_t> b;
+    std::vector<uint8_t> nearest;
 };
 
-/// to[x] is the least that `from` allows for cells x - step, x and x + step.
-void approach_by_step(uint8_t* __restrict to, const uint8_t* __restrict from, size_t count,
-                      uint8_t step, uint8_t greatest) {
-    const uint8_t* const left = from - step;
-    const uint8_t* const right = from + step;
-    for (size_t x = 0; x < count; ++x) {
-        to[x] = least(from[x], advance(least(left[x], right[x]), step, greatest));
+/// Edges of a row of cells, from the three rows ahead of it: `beside` in the same plane, `behind`
+/// and `across` in the next. `ahead`: 1 or -1, the cube's direction along the row.
+void measure_row(const uint32_t* begin, size_t count, ptrdiff_t ahead, uint8_t* __restrict row,
+                 const uint8_t* beside, const uint8_t* behind, const uint8_t* across,
+                 Scratch& scratch) {
+    // What the rows ahead allow at most.
+    uint8_t* const __restrict nearest = scratch.nearest.data();
+    for (size_t k = 0; k < count + 2; ++k) {
+        nearest[k] = least(least(beside[ptrdiff_t(k) - 1], behind[ptrdiff_t(k) - 1]),
+                           across[ptrdiff_t(k) - 1]);
     }
-}
-
-/// Distances within the row. Steps of 1, 2, 4, ... add up to every distance, each step taken by all
-/// cells at once.
-void measure_row(const UniformGrid& grid, const Distances& distances, size_t y, size_t z,
-                 PaddedRow& scratch_a, PaddedRow& scratch_b) {
-    const auto [cells, dims, greatest] = distances;
-    uint8_t* const row = distances.row(y, z);
-    const uint32_t* const begin = grid.cell_begin.data() + (row - cells);
-    const size_t count = dims.x;
-    if (begin[0] == begin[count]) {
-        std::fill_n(row, count, greatest);
-        return;
+    uint8_t* now = scratch.a.data() + kLongestStep;
+    uint8_t* next = scratch.b.data() + kLongestStep;
+    {
+        const uint8_t* const __restrict here = nearest + 1;
+        const uint8_t* const __restrict there = here + ahead;
+        uint8_t* const __restrict to = now;
+        for (size_t x = 0; x < count; ++x) {
+            const uint8_t full = begin[x] != begin[x + 1] ? uint8_t{0} : kGreatest;
+            to[x] = least(full, advance(least(here[x], there[x]), 1));
+        }
     }
-    uint8_t* now = scratch_a.data();
-    uint8_t* next = scratch_b.data();
-    for (size_t x = 0; x < count; ++x) now[x] = begin[x] != begin[x + 1] ? uint8_t{0} : greatest;
-    for (size_t step = 1; step < count && step <= std::min(greatest, PaddedRow::kLongestStep);
-         step *= 2) {
-        approach_by_step(next, now, count, static_cast<uint8_t>(step), greatest);
+    // And what the cells ahead in the row allow, each step taken by all cells at once.
+    for (size_t step = 1; step <= kLongestStep && step < count; step *= 2) {
+        const uint8_t* const __restrict from = now;
+        const uint8_t* const __restrict farther = now + ahead * static_cast<ptrdiff_t>(step);
+        uint8_t* const __restrict to = next;
+        for (size_t x = 0; x < count; ++x) {
+            to[x] = least(from[x], advance(farther[x], static_cast<uint8_t>(step)));
+        }
         std::swap(now, next);
     }
     std::copy_n(now, count, row);
 }
 
-/// Each cell of `row` is at most one more than the three of `beside` at x - 1, x and x + 1. The
-/// rows do not overlap.
-void approach_row(uint8_t* __restrict row, const uint8_t* __restrict beside, size_t count,
-                  uint8_t greatest) {
-    if (count == 1) {
-        row[0] = least(row[0], one_more(beside[0], greatest));
-        return;
+/// The codes of one octant in planes [z_first, z_end). Edges end at kGreatest, so a pass that
+/// begins so many planes ahead is right when it comes to them.
+void find_in_planes(const UniformGrid& grid, uint32_t octant, ptrdiff_t z_first, ptrdiff_t z_end,
+                    uint32_t* codes) {
+    const auto [nx, ny, nz] = std::array<ptrdiff_t, 3>{grid.dims.x, grid.dims.y, grid.dims.z};
+    const ptrdiff_t ahead_x = (octant & 1) != 0 ? 1 : -1;
+    const ptrdiff_t ahead_y = (octant & 2) != 0 ? 1 : -1;
+    const ptrdiff_t ahead_z = (octant & 4) != 0 ? 1 : -1;
+    const uint32_t shift = empty_cube_shift(octant);
+    Plane now(grid.dims);
+    Plane last(grid.dims);
+    Scratch scratch(grid.dims.x);
+    const ptrdiff_t z_begin = ahead_z > 0 ? std::min(z_end + kGreatest, nz) - 1
+                                          : std::max<ptrdiff_t>(z_first - kGreatest, 0);
+    const ptrdiff_t z_last = ahead_z > 0 ? z_first : z_end - 1;
+    for (ptrdiff_t z = z_begin;; z -= ahead_z) {
+        for (ptrdiff_t k = 0; k < ny; ++k) {
+            const ptrdiff_t y = ahead_y > 0 ? ny - 1 - k : k;
+            const ptrdiff_t first_cell = nx * (y + ny * z);
+            uint8_t* const row = now.row(y);
+            measure_row(&grid.cell_begin[static_cast<size_t>(first_cell)], grid.dims.x, ahead_x,
+                        row, now.row(y + ahead_y), last.row(y), last.row(y + ahead_y), scratch);
+            if (z < z_first || z >= z_end) continue;
+            add_codes(codes + first_cell, row, grid.dims.x, shift, scratch.nearest.data());
+        }
+        if (z == z_last) break;
+        std::swap(now, last);
     }
-    row[0] = least(row[0], one_more(least(beside[0], beside[1]), greatest));
-    for (size_t x = 1; x + 1 < count; ++x) {
-        const uint8_t nearest = least(beside[x - 1], beside[x], beside[x + 1]);
-        row[x] = least(row[x], one_more(nearest, greatest));
-    }
-    const size_t last = count - 1;
-    row[last] = least(row[last], one_more(least(beside[last - 1], beside[last]), greatest));
-}
-
-/// Distances within plane z, from those within its rows.
-void measure_plane(const Distances& distances, size_t z) {
-    const auto [dims, greatest] = std::pair(distances.dims, distances.greatest);
-    for (size_t y = 1; y < dims.y; ++y) {
-        approach_row(distances.row(y, z), distances.row(y - 1, z), dims.x, greatest);
-    }
-    for (size_t y = dims.y - 1; y-- > 0;) {
-        approach_row(distances.row(y, z), distances.row(y + 1, z), dims.x, greatest);
-    }
-}
-
-/// nearest[x] is the least of the three cells x of the rows y - 1, y and y + 1 of a plane.
-void least_of_rows(const Distances& distances, size_t y, size_t z, uint8_t* __restrict nearest) {
-    const uint8_t* const middle = distances.row(y, z);
-    const uint8_t* const below = y > 0 ? distances.row(y - 1, z) : middle;
-    const uint8_t* const above = y + 1 < distances.dims.y ? distances.row(y + 1, z) : middle;
-    for (size_t x = 0; x < distances.dims.x; ++x) {
-        nearest[x] = least(below[x], middle[x], above[x]);
-    }
-}
-
-/// Each cell of plane z is at most one more than its nine neighbours in the plane `beside`.
-void approach_plane(const Distances& distances, size_t z, size_t beside) {
-    const size_t rows_a_task = std::max<size_t>(1, kCellsATask / distances.dims.x);
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, distances.dims.y, rows_a_task),
-                      [&](const auto& rows) {
-                          std::vector<uint8_t> nearest(distances.dims.x);
-                          for (size_t y = rows.begin(); y != rows.end(); ++y) {
-                              least_of_rows(distances, y, beside, nearest.data());
-                              approach_row(distances.row(y, z), nearest.data(), nearest.size(),
-                                           distances.greatest);
-                          }
-                      });
 }
 
 }  // namespace
 
-RawVector<uint8_t> distance_to_full_cell(const UniformGrid& grid, uint8_t greatest) {
-    ONEPASS_CHECK_LT(0, greatest);
-    RawVector<uint8_t> cells(grid.cell_count());
-    const Distances distances{cells.data(), grid.dims, greatest};
-
-    // Along x, then along y: planes on their own.
-    tbb::parallel_for(uint32_t{0}, grid.dims.z, [&](uint32_t z) {
-        PaddedRow a(grid.dims.x, greatest);
-        PaddedRow b(grid.dims.x, greatest);
-        for (uint32_t y = 0; y < grid.dims.y; ++y) measure_row(grid, distances, y, z, a, b);
-        measure_plane(distances, z);
+void find_empty_cubes(const UniformGrid& grid, uint32_t* codes) {
+    // Fewer planes a task would do more of the work twice.
+    constexpr uint32_t kPlanesATask = 2 * kGreatest;
+    const uint32_t tasks = (grid.dims.z + kPlanesATask - 1) / kPlanesATask;
+    tbb::parallel_for(uint32_t{0}, tasks, [&](uint32_t task) {
+        const size_t plane = size_t{grid.dims.x} * grid.dims.y;
+        const uint32_t first = task * kPlanesATask;
+        const uint32_t end = std::min(first + kPlanesATask, grid.dims.z);
+        std::fill(codes + plane * first, codes + plane * end, 0u);
+        for (uint32_t octant = 0; octant < 8; ++octant) {
+            find_in_planes(grid, octant, first, end, codes);
+        }
     });
-
-    // Along z: plane after plane, the rows of each on their own.
-    for (uint32_t z = 1; z < grid.dims.z; ++z) approach_plane(distances, z, z - 1);
-    for (uint32_t z = grid.dims.z - 1; z-- > 0;) approach_plane(distances, z, z + 1);
-    return cells;
 }
 
 }  // namespace onepass

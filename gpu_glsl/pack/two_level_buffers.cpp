@@ -16,33 +16,6 @@ namespace {
 
 #include "gpu_glsl/shaders/shared/grid_buffers_layout.h"
 
-/// On each axis: the lower bound, if the numbers of the box are within a factor of 2 of each other,
-/// so that subtracting it is exact (Sterbenz); else 0, and then no number of the box is larger than
-/// twice its extent.
-dvec3 frame_origin(const UniformGrid& grid) {
-    dvec3 origin(0.0);
-    for (int axis = 0; axis < 3; ++axis) {
-        const double lower = grid.bounds.lower[axis];
-        const double upper = grid.bounds.upper[axis];
-        const bool is_far =
-            lower > 0.0 ? upper <= 2.0 * lower : upper < 0.0 && lower >= 2.0 * upper;
-        if (is_far) origin[axis] = lower;
-    }
-    return origin;
-}
-
-/// The largest coordinate becomes 1/2 to 1, so that areas and volumes neither overflow nor vanish.
-GridFrame object_frame(const UniformGrid& grid) {
-    GridFrame frame{.origin = frame_origin(grid)};
-    const dvec3 size = glm::max(glm::abs(dvec3(grid.bounds.lower) - frame.origin),
-                                glm::abs(dvec3(grid.bounds.upper) - frame.origin));
-    // Beyond this the numbers of a plain transform would leave the range of float.
-    constexpr int kMostBinaryPlaces = 100;
-    const int exponent = std::ilogb(std::max({size.x, size.y, size.z})) + 1;
-    frame.scale = std::ldexp(1.0, -std::clamp(exponent, -kMostBinaryPlaces, kMostBinaryPlaces));
-    return frame;
-}
-
 /// Where each grid's share of a buffer begins, and at the end the whole length.
 template <class Count>
 std::vector<uint64_t> starts_of(const std::vector<UniformGrid>& grids, const Count& count) {
@@ -54,13 +27,14 @@ std::vector<uint64_t> starts_of(const std::vector<UniformGrid>& grids, const Cou
 /// The words of a grid's cells (shared/grid_buffers_layout.h).
 void put_cells(uint32_t* out, const UniformGrid& grid, uint64_t first_reference) {
     const auto base = static_cast<uint32_t>(first_reference);
-    const RawVector<uint8_t> distances = distance_to_full_cell(grid);
-    tbb::parallel_for(
-        tbb::blocked_range<uint64_t>(0, grid.cell_count(), 1 << 14), [&](const auto& range) {
-            for (uint64_t i = range.begin(); i != range.end(); ++i) {
-                out[i] = distances[i] > 0 ? kEmptyCell | distances[i] : base + grid.cell_begin[i];
-            }
-        });
+    find_empty_cubes(grid, out);
+    tbb::parallel_for(tbb::blocked_range<uint64_t>(0, grid.cell_count(), 1 << 14),
+                      [&](const auto& range) {
+                          for (uint64_t i = range.begin(); i != range.end(); ++i) {
+                              const bool is_empty = grid.cell_begin[i] == grid.cell_begin[i + 1];
+                              out[i] = is_empty ? kEmptyCell | out[i] : base + grid.cell_begin[i];
+                          }
+                      });
 }
 
 /// The words of a grid's references.
@@ -119,7 +93,7 @@ TextureData pack_triangles(const Scene& scene, const TwoLevelGrid& grid,
         "triangles", "triangles", first_triangle.back() * kTriangleVertexTexels, limits);
     for (size_t k = 0; k < scene.objects.size(); ++k) {
         const Object& object = scene.objects[k];
-        const GridFrame frame = object_frame(grid.objects[k]);
+        const GridFrame frame = object_frame(grid.objects[k].bounds);
         float* const out = &triangles.texels[4 * kTriangleVertexTexels * first_triangle[k]];
         tbb::parallel_for(tbb::blocked_range<size_t>(0, object.triangles.size(), 1 << 12),
                           [&](const auto& range) {
@@ -141,7 +115,7 @@ TextureData pack_grid_frames(const std::vector<UniformGrid>& grids, const Textur
         make_float_buffer("grid_frames", "grids", grids.size() * kGridFrameTexels, limits);
     for (size_t k = 0; k < grids.size(); ++k) {
         const UniformGrid& grid = grids[k];
-        const GridFrame frame = object_frame(grid);
+        const GridFrame frame = object_frame(grid.bounds);
         const dvec3 cell = grid.cell_size() * frame.scale;
         float* const out = &frames.texels[4 * kGridFrameTexels * k];
         put(out, (dvec3(grid.bounds.lower) - frame.origin) * frame.scale);
@@ -165,44 +139,6 @@ TextureData pack_grid_numbers(const std::vector<UniformGrid>& grids,
         out[4] = static_cast<uint32_t>(first_triangle[k]);
     }
     return numbers;
-}
-
-/// The inverse of the linear part, with the 64 digits of x86's long double: its rows are the cross
-/// products of the columns, which are exact but for the last rounding, over the determinant, which
-/// loses what a nearly singular map cancels.
-using LongRow = std::array<long double, 3>;
-std::array<LongRow, 3> inverse_rows(const Affine& m) {
-    const auto at = [&](int column, int row) -> long double { return m[column % 3][row % 3]; };
-    std::array<LongRow, 3> rows;
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
-            rows[i][j] = at(i + 1, j + 1) * at(i + 2, j + 2) - at(i + 1, j + 2) * at(i + 2, j + 1);
-        }
-    }
-    const long double determinant =
-        rows[0][0] * at(0, 0) + rows[0][1] * at(0, 1) + rows[0][2] * at(0, 2);
-    for (LongRow& row : rows) {
-        for (long double& value : row) value /= determinant;
-    }
-    return rows;
-}
-
-/// See shared/grid_buffers_layout.h.
-void put_instance_rows(float* out, const Affine& world_from_object, const GridFrame& frame) {
-    constexpr int kRows = 3;
-    static_assert(kInstanceRowTexels == 2 * kRows);
-    const std::array<LongRow, 3> inverse = inverse_rows(world_from_object);
-    for (int row = 0; row < kRows; ++row) {
-        float* const leading = out + 4 * row;
-        float* const trailing = out + 4 * (row + kRows);
-        for (int column = 0; column < 3; ++column) {
-            const long double value = inverse[row][column] * frame.scale;
-            leading[column] = static_cast<float>(value);
-            trailing[column] = static_cast<float>(value - leading[column]);
-        }
-        leading[3] = world_from_object[3][row];
-        trailing[3] = static_cast<float>(frame.origin[row] * frame.scale);
-    }
 }
 
 TextureData pack_instance_rows(const Scene& scene, std::span<const Affine> world_from_object,
@@ -234,7 +170,7 @@ TextureData pack_instance_grids(const Scene& scene, const TextureLimits& limits)
 
 std::vector<GridFrame> object_frames(const TwoLevelGrid& grid) {
     std::vector<GridFrame> frames;
-    for (const UniformGrid& object : grid.objects) frames.push_back(object_frame(object));
+    for (const UniformGrid& object : grid.objects) frames.push_back(object_frame(object.bounds));
     return frames;
 }
 
@@ -251,7 +187,7 @@ ShaderInputs pack_top_buffers(const Scene& scene, std::span<const Affine> world_
     inputs.textures.push_back(std::move(cells));
     inputs.textures.push_back(std::move(references));
     inputs.textures.push_back(pack_instance_rows(scene, world_from_object, frames, limits));
-    const dvec3 origin = frame_origin(top);
+    const dvec3 origin = frame_origin(top.bounds);
     inputs.uniforms = {{"top_frame", vec3(origin)},
                        {"top_lower", vec3(dvec3(top.bounds.lower) - origin)},
                        {"top_upper", vec3(dvec3(top.bounds.upper) - origin)},

@@ -8,15 +8,10 @@
 #include "core/grid/two_level_grid.h"
 #include "core/scene.h"
 #include "core/tracer.h"
+#include "gpu_glsl/pack/frames.h"
 #include "gpu_glsl/pack/shader_inputs.h"
 
 namespace onepass {
-
-/// The frame in which all of a grid is stored: q = scale (p - origin), exact for every vertex.
-struct GridFrame {
-    dvec3 origin{0.0};
-    double scale = 1.0;  ///< a power of two
-};
 
 struct TwoLevelBuffers {
     ShaderInputs inputs;

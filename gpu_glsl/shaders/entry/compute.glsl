@@ -1,7 +1,7 @@
 // Entry: one image in one dispatch. An invocation is a pixel.
 #include "lib/trace_pixel.glsl"
 
-layout(local_size_x = 32, local_size_y = 4) in;
+layout(local_size_x = 8, local_size_y = 4) in;  // one warp: see cast_compute.glsl
 
 struct PixelRecord {
     vec4 color;

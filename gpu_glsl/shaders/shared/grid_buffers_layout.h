@@ -10,9 +10,12 @@ const int kGridNumberTexels = 2;
 // The corners, in the frame of the object's grid.
 const int kTriangleVertexTexels = 3;
 
-// A word a cell: an empty one has this bit and says how far, in cells, the nearest full one is; a
-// full one is the index of its first reference.
+// A word a cell. An empty one has this bit, and below it, for each octant of directions, the code of
+// the edge of an empty cube ahead (core/grid/empty_space.h). A full one is the index of its first
+// reference.
 const uint kEmptyCell = 0x80000000u;
+const uint kEmptyCubeEdges0 = 0x05030201u;  // edges of codes 0 to 3, a byte each ...
+const uint kEmptyCubeEdges4 = 0x22150D08u;  // ... and 4 to 7
 
 // A word a reference: this bit marks the last one of a list.
 const uint kLastReference = 0x80000000u;

@@ -54,13 +54,14 @@ Bracket bracket_of(double t, float start) {
 
 // Finds the nearest hit on one instance, where the ray meets it in [t_first, t_last].
 //
-// Floats walk and test. They find out which triangle is hit first, but for `open` ones, of which
-// they cannot tell whether they are hit, or before the nearest. There the walk pauses, and doubles
-// decide; in the end they give the answer its digits. (A walk that could decide on its way would pay
-// for it at every test: a software renderer goes through both sides of a branch, and a GPU keeps
-// registers for both.)
+// Floats walk and test. They find out which triangle is hit first, but for an `open` one, of which
+// they cannot tell whether it is hit, or before the nearest. It waits: a nearer hit may settle the
+// question. When the walk is over, or a second one would have to wait, doubles decide. (A walk that
+// decided on its way would pay for it at every test: a software renderer goes through both sides
+// of a branch, and a GPU keeps registers for both.)
 void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nearest) nearest) {
-    Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
+    int grid_number = fetch_grid_of_instance(inst_id);
+    Grid grid = fetch_grid(grid_number);
     // The course is the same from whichever cell of the top level the instance is met, so that a
     // triangle met twice gives the same t twice; the walk covers the part that was asked for.
     Course course = course_in(grid, to_instance(inst_id, ray), ray.tmin, ray.tmax);
@@ -69,6 +70,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
     if (!(begin <= end)) return;
     Sight sight = sight_along(course.ray);
     Walk walk = begin_walk(grid, course, begin);
+    uint octant = octant_shift(walk);
 
     // From here on t counts from the start of the course.
     float t_inside = ray.tmin - course.start;
@@ -76,65 +78,74 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
     t_inside += two_ulps(t_inside);
     t_before -= t_before < infinity() ? two_ulps(t_before) : 0.0;
     Bracket bracket = bracket_of(nearest.t, course.start);
-    uint found = kNoId;  // the triangle within the bracket, if it is none of `nearest`
+    uint found = nearest.hit.inst_id == inst_id ? nearest.hit.prim_id : kNoId;
+    uint open = kNoId;
 
     int steps = step_budget(grid);
     uint cell = fetch_cell(grid, walk.cell);
     int at = first_reference(cell);
-    bool is_list_done = is_empty_cell(cell);
-    bool done = false;
+    bool is_in_list = !is_empty_cell(cell);
+    bool is_over = false;
+    count_cell();
+    NOTE_CELL(inst_id, walk.cell);
     const int kMostRounds = 1 << 20;
-    for (int rounds = kMostRounds; rounds > 0; --rounds) {
-        uint open = kNoId;
-        for (; steps > 0;) {
+    for (int rounds = kMostRounds; rounds > 0 && !is_over; --rounds) {
+        bool is_full = false;  // another triangle is open
+        for (; steps > 0 && !is_over && !is_full;) {
             // The triangles of this cell.
             const int kMostReferences = 1 << 30;
-            for (int left = kMostReferences; left > 0 && !is_list_done; --left) {
+            for (int left = kMostReferences; left > 0 && is_in_list && !is_full; --left) {
                 uint reference = fetch_triangle_reference(at);
                 uint prim_id = referenced(reference);
                 NOTE_TEST(inst_id, prim_id);
                 Crossing crossing;
-                bool is_new = prim_id != found;
-                ++at;
-                is_list_done = is_last_reference(reference);
-                if (may_cross(fetch_triangle(grid, prim_id), sight, crossing) && is_new &&
-                    crossing.from <= bracket.to) {
-                    if (crossing.is_sure && crossing.to < bracket.from &&
-                        crossing.from > t_inside && crossing.to < t_before) {
-                        found = prim_id;
-                        bracket = Bracket(crossing.from, crossing.to);
-                    } else {
-                        open = prim_id;
-                        break;
-                    }
+                bool is_hit = may_cross(fetch_triangle(grid, prim_id), sight, crossing) &&
+                              crossing.from <= bracket.to && crossing.to >= t_inside &&
+                              prim_id != found && prim_id != open;
+                bool is_clear = crossing.is_sure && crossing.to < bracket.from &&
+                                crossing.from > t_inside && crossing.to < t_before;
+                if (is_hit && is_clear) {
+                    found = prim_id;
+                    bracket = Bracket(crossing.from, crossing.to);
+                } else if (is_hit) {
+                    is_full = open != kNoId;
+                    if (!is_full) open = prim_id;
+                }
+                if (!is_full) {
+                    ++at;
+                    is_in_list = !is_last_reference(reference);
                 }
             }
-            if (open != kNoId || !is_list_done) break;
+            if (is_in_list) break;  // to decide, or the driver ended the loop
 
             // On to the next cell that is full.
-            for (; steps > 0; --steps) {
-                count_cell();
-                NOTE_CELL(inst_id, walk.cell);
-                ivec3 last = last_cell(walk, empty_distance(cell));
+            bool is_empty = true;
+            for (; steps > 0 && is_empty && !is_over; --steps) {
+                ivec3 last = last_cell(walk, empty_cube(cell, octant));
                 vec3 t_exit = exit_t(walk, last);
-                done = !(smallest(t_exit) < lesser(end, bracket.to)) ||
-                       !next_cell(grid, last, t_exit, walk);
-                if (done) break;
-                cell = fetch_cell(grid, walk.cell);
-                if (!is_empty_cell(cell)) break;
+                is_over = !(smallest(t_exit) < lesser(end, bracket.to)) ||
+                          !next_cell(grid, last, t_exit, walk);
+                if (!is_over) {
+                    count_cell();
+                    NOTE_CELL(inst_id, walk.cell);
+                    cell = fetch_cell(grid, walk.cell);
+                    is_empty = is_empty_cell(cell);
+                }
             }
-            if (done) break;
             at = first_reference(cell);
-            is_list_done = false;
+            is_in_list = !is_over && !is_empty;
         }
+        if (!is_over && !is_full) break;  // the driver ended a loop
 
         // Doubles decide, first about what floats found, then about what they left open.
+        float start = course.start;
+        LocalRay local = moved_from_afar(to_instance(inst_id, ray), start);
         int questions = found != kNoId && open != kNoId ? 2 : 1;
         for (int k = 0; k < questions; ++k) {
             uint prim_id = k == 0 && found != kNoId ? found : open;
             if (prim_id != kNoId) {
-                SharpHit sharp = sharp_hit(course.ray, fetch_triangle(grid, prim_id));
-                double t = sharp.t + double(course.start);
+                SharpHit sharp = sharp_hit(local, fetch_triangle(grid, prim_id));
+                double t = sharp.t + double(start);
                 if (sharp.is_hit && t >= double(ray.tmin) && t <= double(ray.tmax) &&
                     (t < nearest.t ||
                      (t == nearest.t && is_before(inst_id, prim_id, nearest.hit)))) {
@@ -143,10 +154,10 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
             }
         }
         found = nearest.hit.inst_id == inst_id ? nearest.hit.prim_id : kNoId;
+        open = kNoId;
         bracket = bracket_of(nearest.t, course.start);
-        if (open == kNoId) break;
     }
-    if (!done) ray_flags |= kFlagExhausted;
+    if (!is_over) ray_flags |= kFlagExhausted;
 }
 
 // ---- The top level -----------------------------------------------------------------------------
@@ -165,6 +176,7 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
     Course course = course_in(grid, to_top_level(ray), ray.tmin, ray.tmax);
     if (!(course.leave >= 0.0)) return;
     Walk walk = begin_walk(grid, course, 0.0);
+    uint octant = octant_shift(walk);
 
     bool done = false;
     for (int steps = step_budget(grid); steps > 0; --steps) {
@@ -189,7 +201,7 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
             }
         }
         if (!is_list_done) break;  // as above
-        ivec3 last = last_cell(walk, empty_distance(cell));
+        ivec3 last = last_cell(walk, empty_cube(cell, octant));
         vec3 t_exit = exit_t(walk, last);
         float bound = bracket_of(nearest.t, course.start).to;
         done = !(smallest(t_exit) < lesser(course.leave, bound)) ||

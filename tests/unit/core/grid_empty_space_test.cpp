@@ -1,12 +1,8 @@
-// The distance to the nearest full cell against its definition, cell by cell.
-#include <algorithm>
-#include <cstdlib>
+// Empty cubes against their definition, cell by cell.
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include "core/grid/empty_space.h"
 
@@ -39,80 +35,66 @@ UniformGrid random_grid(const uvec3& dims, int full_count, uint32_t seed) {
     return grid_with(dims, full);
 }
 
-std::vector<uvec3> full_cells(const UniformGrid& grid) {
-    std::vector<uvec3> full;
-    for (uint32_t z = 0; z < grid.dims.z; ++z) {
-        for (uint32_t y = 0; y < grid.dims.y; ++y) {
-            for (uint32_t x = 0; x < grid.dims.x; ++x) {
-                if (!grid.cell_references({x, y, z}).empty()) full.emplace_back(x, y, z);
-            }
-        }
-    }
-    return full;
-}
-
-/// The definition.
-uint8_t expected_distance(const std::vector<uvec3>& full, const ivec3& cell, int greatest) {
-    int distance = greatest;
-    for (const uvec3& other : full) {
-        const ivec3 apart = glm::abs(ivec3(other) - cell);
-        distance = std::min(distance, std::max({apart.x, apart.y, apart.z}));
-    }
-    return static_cast<uint8_t>(distance);
-}
-
-void expect_distances(const UniformGrid& grid, uint8_t greatest) {
-    const RawVector<uint8_t> distances = distance_to_full_cell(grid, greatest);
-    ASSERT_EQ(distances.size(), grid.cell_count());
-    const std::vector<uvec3> full = full_cells(grid);
-    size_t wrong = 0;
-    for (uint32_t z = 0; z < grid.dims.z; ++z) {
-        for (uint32_t y = 0; y < grid.dims.y; ++y) {
-            for (uint32_t x = 0; x < grid.dims.x; ++x) {
-                const uint8_t expected = expected_distance(full, ivec3(x, y, z), greatest);
-                wrong += distances[grid.cell_index({x, y, z})] != expected;
-            }
-        }
-    }
-    EXPECT_EQ(wrong, 0u) << grid.dims.x << " x " << grid.dims.y << " x " << grid.dims.z << ", "
-                         << full.size() << " full, at most " << int(greatest);
-}
-
-TEST(DistanceToFullCell, is_exact_for_sparse_and_dense_cells) {
-    for (const int full : {1, 2, 5, 30, 400}) {
-        expect_distances(random_grid(uvec3(23, 19, 17), full, uint32_t(full)), 255);
-    }
-}
-
-TEST(DistanceToFullCell, is_exact_in_grids_of_one_row_one_plane_and_one_cell) {
-    for (const uvec3& dims : {uvec3(1), uvec3(70, 1, 1), uvec3(1, 70, 1), uvec3(1, 1, 70),
-                              uvec3(2, 40, 1), uvec3(1, 30, 40), uvec3(40, 1, 30)}) {
-        expect_distances(random_grid(dims, 1, 1), 255);
-        expect_distances(random_grid(dims, 3, 2), 255);
-    }
-}
-
-TEST(DistanceToFullCell, ends_at_the_greatest) {
-    for (const uint8_t greatest : {1, 2, 6, 254, 255}) {
-        expect_distances(random_grid(uvec3(20, 15, 11), 2, greatest), greatest);
-        expect_distances(random_grid(uvec3(600, 2, 1), 1, greatest), greatest);
-        expect_distances(random_grid(uvec3(2, 1, 600), 1, greatest), greatest);
-    }
-}
-
-TEST(DistanceToFullCell, is_the_greatest_everywhere_if_no_cell_is_full) {
-    expect_distances(grid_with(uvec3(9, 8, 7), {}), 255);
-    expect_distances(grid_with(uvec3(9, 8, 7), {}), 3);
-}
-
-TEST(DistanceToFullCell, is_the_same_for_any_thread_count_where_a_plane_is_many_tasks) {
-    const UniformGrid grid = random_grid(uvec3(512, 300, 5), 40, 1);
-    const auto with_threads = [&](int threads) {
-        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        return tbb::task_arena(threads).execute([&] { return distance_to_full_cell(grid); });
+/// The definition: the largest of the edges whose cube, from `cell` towards the octant, is empty.
+uint32_t expected_code(const UniformGrid& grid, const ivec3& cell, uint32_t octant) {
+    const ivec3 ahead((octant & 1) != 0 ? 1 : -1, (octant & 2) != 0 ? 1 : -1,
+                      (octant & 4) != 0 ? 1 : -1);
+    const auto is_full = [&](const ivec3& at) {
+        const bool is_inside = glm::all(glm::greaterThanEqual(at, ivec3(0))) &&
+                               glm::all(glm::lessThan(at, ivec3(grid.dims)));
+        return is_inside && !grid.cell_references(uvec3(at)).empty();
     };
-    expect_distances(grid, 255);
-    EXPECT_EQ(with_threads(1), with_threads(7));
+    const auto fits = [&](int edge) {
+        for (int k = 0; k < edge * edge * edge; ++k) {
+            if (is_full(cell + ahead * ivec3(k % edge, k / edge % edge, k / (edge * edge)))) {
+                return false;
+            }
+        }
+        return true;
+    };
+    uint32_t code = 0;
+    while (code + 1 < kEmptyCubeEdges.size() && fits(kEmptyCubeEdges[code + 1])) ++code;
+    return code;
+}
+
+/// All cells, or every `stride`-th.
+void expect_cubes(const UniformGrid& grid, uint64_t stride = 1) {
+    std::vector<uint32_t> codes(grid.cell_count(), 0xFFFFFFFFu);
+    find_empty_cubes(grid, codes.data());
+    size_t wrong = 0;
+    for (uint64_t i = 0; i < grid.cell_count(); i += stride) {
+        const uvec3 cell(i % grid.dims.x, i / grid.dims.x % grid.dims.y,
+                         i / (uint64_t{grid.dims.x} * grid.dims.y));
+        uint32_t expected = 0;
+        for (uint32_t octant = 0; octant < 8 && grid.cell_references(cell).empty(); ++octant) {
+            expected |= expected_code(grid, ivec3(cell), octant) << empty_cube_shift(octant);
+        }
+        wrong += codes[i] != expected;
+    }
+    EXPECT_EQ(wrong, 0u) << grid.dims.x << " x " << grid.dims.y << " x " << grid.dims.z;
+}
+
+TEST(EmptyCubes, are_as_large_as_fits_among_sparse_and_dense_cells) {
+    for (const int full : {1, 2, 5, 30, 400}) {
+        expect_cubes(random_grid(uvec3(13, 11, 9), full, uint32_t(full)), full < 30 ? 13 : 1);
+    }
+    expect_cubes(random_grid(uvec3(60, 50, 41), 3, 1), 9973);
+}
+
+TEST(EmptyCubes, are_found_in_grids_of_one_row_one_plane_and_one_cell) {
+    for (const uvec3& dims : {uvec3(1), uvec3(70, 1, 1), uvec3(1, 70, 1), uvec3(1, 1, 70),
+                              uvec3(2, 20, 1), uvec3(1, 12, 15)}) {
+        expect_cubes(random_grid(dims, 1, 1), 3);
+        expect_cubes(random_grid(dims, 3, 2), 3);
+    }
+}
+
+TEST(EmptyCubes, are_the_greatest_everywhere_if_no_cell_is_full) {
+    expect_cubes(grid_with(uvec3(9, 8, 7), {}), 101);
+}
+
+TEST(EmptyCubes, do_not_show_where_one_task_ends_and_the_next_begins) {
+    expect_cubes(random_grid(uvec3(6, 5, 300), 12, 1), 61);
 }
 
 }  // namespace

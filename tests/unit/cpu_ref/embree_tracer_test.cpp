@@ -20,8 +20,18 @@ namespace {
 using namespace test;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-const std::vector<std::string> kNames = {"embree/robust/threads", "embree/fast/threads",
-                                         "embree/robust/1thread", "embree/fast/1thread"};
+const std::vector<std::string> kOneRayACall = {"embree/robust/threads", "embree/fast/threads",
+                                               "embree/robust/1thread", "embree/fast/1thread"};
+const std::vector<std::string> kManyRaysACall = {"embree/robust/packet8",  "embree/fast/packet8",
+                                                 "embree/robust/packet16", "embree/fast/packet16",
+                                                 "embree/robust/stream",   "embree/fast/stream"};
+
+std::vector<std::string> all_names() {
+    std::vector<std::string> names = kOneRayACall;
+    names.insert(names.end(), kManyRaysACall.begin(), kManyRaysACall.end());
+    return names;
+}
+const std::vector<std::string> kNames = all_names();
 
 std::unique_ptr<Tracer> make(const std::string& name, ScenePtr scene,
                              const ParamValues& values = {}) {
@@ -40,7 +50,7 @@ ScenePtr unit_triangle() {
     return one_object(object);
 }
 
-TEST(EmbreeTracer, all_four_are_catalogued_as_oracles_the_robust_one_first) {
+TEST(EmbreeTracer, all_are_catalogued_as_oracles_the_robust_one_first) {
     std::vector<std::string> names;
     for (const CatalogueEntry& entry : embree_tracers()) {
         names.push_back(entry.info.name);
@@ -228,6 +238,83 @@ TEST(EmbreeTracer, an_instance_in_place_is_traced_without_the_upper_level_and_an
     for (const Ray& ray : random_rays(*direct, 1000, 5)) {
         EXPECT_EQ(flat.closest(ray), instanced.closest(ray));
     }
+}
+
+/// An answer's class by the exact judge.
+HitClass class_of(const Judge& judge, const Ray& ray, const Hit& hit) {
+    return judge.judge(ray, Query::closest, std::span(&hit, 1)).front().hit_class;
+}
+
+TEST(EmbreeTracer, many_rays_a_call_are_answered_as_one_a_call_where_rounding_has_no_say) {
+    const auto scene = instanced_spheres();
+    const auto judge = make_exact_judge(scene);
+    // A count that leaves packets and streams unfilled, of rays that are coherent and that are not.
+    std::vector<Ray> rays = random_rays(*scene, 5003, 9);
+    for (int i = 0; i < 2000; ++i) {
+        const auto x = static_cast<float>(i % 50);
+        const auto y = static_cast<float>(i / 50);
+        rays.push_back({.org = {0, 0, 20}, .dir = {x / 50 - 0.5f, y / 40 - 0.5f, -2}});
+    }
+    for (const std::string& name : kManyRaysACall) {
+        const std::string mode = name.substr(0, name.rfind('/'));
+        const std::vector<Hit> expected = cast(*make(mode + "/threads", scene), rays).hits;
+        for (const std::string coherence : {"auto", "coherent", "incoherent"}) {
+            const auto tracer = make(name, scene, {{"coherence", coherence}});
+            EXPECT_FALSE(tracer->capabilities().render);
+            EXPECT_THROW(tracer->render({}, {}), Error);
+            const CastResult any = cast(*tracer, rays, Query::any);
+            const std::vector<Hit> hits = cast(*tracer, rays).hits;
+            size_t found = 0;
+            for (size_t i = 0; i < rays.size(); ++i) {
+                EXPECT_EQ(any.hits[i].is_hit(), hits[i].is_hit()) << name << " ray " << i;
+                found += hits[i].is_hit() ? 1 : 0;
+                if (hits[i] == expected[i]) continue;
+                // Other instructions round otherwise; which class an answer falls into may not
+                // turn from right to wrong.
+                EXPECT_EQ(is_error(class_of(*judge, rays[i], hits[i])),
+                          is_error(class_of(*judge, rays[i], expected[i])))
+                    << name << " " << coherence << " ray " << i;
+            }
+            EXPECT_GT(found, 500u);
+        }
+    }
+}
+
+TEST(EmbreeTracer, a_ray_embree_cannot_take_leaves_its_neighbours_in_a_packet_alone) {
+    const auto scene = one_object(make_sphere(24, 16, 1.0f, vec3(0)));
+    std::vector<Ray> rays = random_rays(*scene, 999, 11);
+    const std::vector<Ray> sound = rays;
+    for (size_t i = 0; i < rays.size(); i += 3) rays[i].org[i % 2] = i % 2 ? kNaN : kInfinity;
+    for (size_t i = 1; i < rays.size(); i += 9) rays[i].dir = vec3(0);
+    for (const std::string& name : kManyRaysACall) {
+        const auto tracer = make(name, scene);
+        for (const Query query : {Query::closest, Query::any}) {
+            const CastResult all = cast(*tracer, sound, query);
+            const CastResult some = cast(*tracer, rays, query);
+            for (size_t i = 0; i < rays.size(); ++i) {
+                const bool changed = i % 3 == 0 || i % 9 == 1;
+                EXPECT_EQ(some.hits[i], changed ? Hit{} : all.hits[i]) << name << " ray " << i;
+                EXPECT_EQ(some.flags[i], i % 3 == 0 ? kFlagOracleInvalid : 0u) << name;
+            }
+        }
+    }
+}
+
+TEST(EmbreeTracer, rays_of_a_camera_are_coherent_and_random_ones_are_not) {
+    const auto scene = one_object(make_sphere(24, 16, 1.0f, vec3(0)));
+    const auto tracer = make("embree/fast/stream", scene);
+    const auto told = [&](const std::vector<Ray>& rays) {
+        return cast(*tracer, rays).costs.at(0).value;
+    };
+    std::vector<Ray> primary;
+    for (int i = 0; i < 256 * 16; ++i) {
+        const auto x = static_cast<float>(i % 256);
+        const auto y = static_cast<float>(i / 256);
+        primary.push_back({.org = {0, 0, 4}, .dir = {x / 256 - 0.5f, y / 256 - 0.5f, -1.2f}});
+    }
+    EXPECT_EQ(told(primary), 1.0);
+    EXPECT_EQ(told(random_rays(*scene, 4096, 12)), 0.0);
+    EXPECT_TRUE(cast(*make("embree/fast/threads", scene), primary).costs.empty());
 }
 
 TEST(EmbreeTracer, thread_count_does_not_show_in_the_hits) {

@@ -1,15 +1,15 @@
 // Walking a grid without drift: integer cells, every exit plane computed from its number, and empty
 // space crossed at once.
 //
-// An empty cell says how far the nearest full one is, d cells in any direction; so the ray goes on
-// to the border of the box of cells less than d away. A full cell is its own box.
+// An empty cell says how large a cube of empty cells lies ahead, in each octant of directions; so the
+// ray goes on to where it leaves that cube. A full cell is its own cube.
 //
 // Why no cell is lost. A grid is built with each triangle in all cells within kBinningPad of a cell
 // (core/grid/uniform_grid.h). The walk starts where the ray enters the grid, so that at any
 // computed t its position on each axis is known to 10 * 2^-24 of the grid's size there
 // (gpu_glsl/README.md adds it up): less than that pad up to 1,600 cells on an axis;
 // core/grid/sizing.h stops at 1,024. So the cell where the walk is at any t names every triangle
-// that the ray meets there, and between two such places it was in the box.
+// that the ray meets there, and between two such places it was in the cube.
 #pragma once
 #include "lib/triangle/rule_out.glsl"
 
@@ -67,8 +67,7 @@ Course course_in(Grid grid, LocalRay ray, float t_first, float t_last) {
     course.dir = guarded(vec3(ray.dir));
     Span span = span_in_box(vec3(ray.org), 1.0 / course.dir, grid.lower, grid.upper);
     course.start = greater(t_first, span.enter);
-    PRECISE dvec3 org = ray.org + ray.dir * double(course.start);
-    course.ray = LocalRay(org, ray.dir);
+    course.ray = moved(ray, course.start);
     course.leave = lesser(t_last, span.leave) - course.start;
     return course;
 }
@@ -100,19 +99,25 @@ Walk begin_walk(Grid grid, Course course, float t) {
     return walk;
 }
 
-// The cell farthest along the ray in the box of cells less than `distance` away.
-ivec3 last_cell(Walk walk, int distance) { return walk.cell + walk.step * (distance - 1); }
+// 3 times the octant of the ray's direction: 1 for greater x, plus 2 for greater y, plus 4 for
+// greater z.
+uint octant_shift(Walk walk) {
+    return (walk.step.x > 0 ? 3u : 0u) + (walk.step.y > 0 ? 6u : 0u) + (walk.step.z > 0 ? 12u : 0u);
+}
+
+// The far corner of the cube of that edge that begins at the walk's cell.
+ivec3 last_cell(Walk walk, int edge) { return walk.cell + walk.step * (edge - 1); }
 
 // t on each axis where the ray leaves a cell.
 vec3 exit_t(Walk walk, ivec3 cell) { return walk.t_exit + vec3(cell) * walk.t_edge; }
 
-// The cell on an axis that is not crossed when the ray leaves a box. It does not go back: else two
+// The cell on an axis that is not crossed when the ray leaves a cube. It does not go back: else two
 // axes could undo each other's steps by their rounding.
 int cell_beside(float t, float t_exit, float cells_per_t, int step, int cell, int last) {
     return cell_at(t, t_exit, cells_per_t, step, min(cell, last), max(cell, last));
 }
 
-// Leaves the box of cells that ends at `last`, whose planes are at `t_exit`, by the nearest of them.
+// Leaves the cube of cells that ends at `last`, whose planes are at `t_exit`, by the nearest of them.
 // False if that leads out of the grid.
 bool next_cell(Grid grid, ivec3 last, vec3 t_exit, INOUT(Walk) walk) {
     float t = smallest(t_exit);

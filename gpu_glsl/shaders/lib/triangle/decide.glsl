@@ -1,11 +1,10 @@
 // One triangle's hit in doubles: what decides where rounding leaves open whether, or in which
 // order, surfaces are hit.
 //
-// The same plane as in lib/triangle/rule_out.glsl. A corner's place there depends on the ray and
-// the corner alone, so all triangles that share it see it at the same place: seen along the ray
-// the mesh is moved by some 2^-52, but stays whole. An edge function is the same for both its
-// triangles, and one that is no larger than its rounding counts as on the edge, for both: no ray
-// slips between them, at corners neither.
+// The same test as in lib/triangle/rule_out.glsl. A corner's place across the ray depends on the ray
+// and the corner alone, so all triangles that share it see it at the same place: the mesh is seen
+// moved by some 2^-52, but whole. What these digits cannot tell from an edge counts as on the edge,
+// for both triangles that have it: no ray slips between them, at corners neither.
 #pragma once
 #include "lib/triangle/rule_out.glsl"
 
@@ -16,46 +15,56 @@ struct SharpHit {
     float v;
 };
 
-// Twice the area that the origin makes with the edge from a to b; 0 where it is no larger than the
-// rounding of its products, 2 half ulps of each.
-double sharp_edge(double ax, double ay, double bx, double by) {
-    const double kHalfUlp = double(1.1102230246251565e-16);  // 2^-53
-    PRECISE double there = bx * ay;
-    PRECISE double back = by * ax;
-    PRECISE double w = there - back;
-    return abs(w) <= (4.0 * kHalfUlp) * (abs(there) + abs(back)) ? double(0.0) : w;
-}
+// A corner across and along the ray, and how large the numbers were that x and y were made of.
+struct SharpCorner {
+    dvec3 at;
+    double x_of;
+    double y_of;
+};
 
 // v without its axis `axis`, then that axis.
 dvec3 turned(dvec3 v, int axis) {
     return axis == 0 ? dvec3(v.y, v.z, v.x) : (axis == 1 ? dvec3(v.z, v.x, v.y) : v);
 }
 
+SharpCorner sharp_corner(dvec3 org, double slope_x, double slope_y, int axis, vec3 corner) {
+    PRECISE dvec3 p = dvec3(corner) - org;
+    p = turned(p, axis);
+    PRECISE double x = p.x - slope_x * p.z;
+    PRECISE double y = p.y - slope_y * p.z;
+    return SharpCorner(dvec3(x, y, p.z), abs(p.x) + abs(slope_x * p.z),
+                       abs(p.y) + abs(slope_y * p.z));
+}
+
+// Twice the area that the ray's point makes with an edge; 0 where it is no larger than it can be
+// wrong. x and y are wrong by 4 u of what they are made of (u = 2^-53; two differences, a quotient,
+// a product), so two products are by that of each factor times the other, and by their own
+// roundings: 16 u is twice that.
+double sharp_edge(SharpCorner from, SharpCorner to) {
+    const double kDoubt = double(1.7763568394002505e-15);  // 2^-49: 16 u
+    PRECISE double w = to.at.x * from.at.y - to.at.y * from.at.x;
+    double made_of = (abs(to.at.x) * from.y_of + to.x_of * abs(from.at.y)) +
+                     (abs(to.at.y) * from.x_of + to.y_of * abs(from.at.x));
+    return abs(w) <= kDoubt * made_of ? double(0.0) : w;
+}
+
 SharpHit sharp_hit(LocalRay ray, Triangle triangle) {
-    // The corners as seen from the ray's origin, the direction's largest component ahead.
     int axis = largest_axis(vec3(ray.dir));
     dvec3 dir = turned(ray.dir, axis);
-    dvec3 a = turned(dvec3(triangle.v0) - ray.org, axis);
-    dvec3 b = turned(dvec3(triangle.v1) - ray.org, axis);
-    dvec3 c = turned(dvec3(triangle.v2) - ray.org, axis);
-    double per_length = double(1.0) / dir.z;
-    double slope_x = dir.x * per_length;
-    double slope_y = dir.y * per_length;
-    PRECISE double ax = a.x - slope_x * a.z;
-    PRECISE double ay = a.y - slope_y * a.z;
-    PRECISE double bx = b.x - slope_x * b.z;
-    PRECISE double by = b.y - slope_y * b.z;
-    PRECISE double cx = c.x - slope_x * c.z;
-    PRECISE double cy = c.y - slope_y * c.z;
+    double slope_x = dir.x / dir.z;
+    double slope_y = dir.y / dir.z;
+    SharpCorner a = sharp_corner(ray.org, slope_x, slope_y, axis, triangle.v0);
+    SharpCorner b = sharp_corner(ray.org, slope_x, slope_y, axis, triangle.v1);
+    SharpCorner c = sharp_corner(ray.org, slope_x, slope_y, axis, triangle.v2);
 
-    double w0 = sharp_edge(bx, by, cx, cy);
-    double w1 = sharp_edge(cx, cy, ax, ay);
-    double w2 = sharp_edge(ax, ay, bx, by);
+    double w0 = sharp_edge(b, c);
+    double w1 = sharp_edge(c, a);
+    double w2 = sharp_edge(a, b);
     bool is_outside = (w0 < 0.0 || w1 < 0.0 || w2 < 0.0) && (w0 > 0.0 || w1 > 0.0 || w2 > 0.0);
-    double area = w0 + w1 + w2;
+    PRECISE double area = w0 + w1 + w2;
     if (is_outside || area == 0.0) return SharpHit(false, double(infinity()), 0.0, 0.0);
 
-    double share = double(1.0) / area;
-    PRECISE double t = ((w0 * a.z + w1 * b.z + w2 * c.z) * share) * per_length;
-    return SharpHit(true, t, float(w1 * share), float(w2 * share));
+    PRECISE double z = w0 * a.at.z + w1 * b.at.z + w2 * c.at.z;
+    PRECISE double t = z / (area * dir.z);
+    return SharpHit(true, t, float(w1 / area), float(w2 / area));
 }

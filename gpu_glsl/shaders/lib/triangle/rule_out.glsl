@@ -6,8 +6,8 @@
 // differ in sign by more than they can be wrong, and surely hit only if they agree by more than
 // that. Between the two, lib/triangle/decide.glsl decides in doubles.
 //
-// Coordinates are those of a frame in which the triangles' are at most 1 and the ray's origin at
-// most 1 + 2^-20: errors are absolute numbers there. u = half_ulp() throughout.
+// Coordinates are those of a frame in which the triangles' are at most 1, and the ray's origin is not
+// much more: errors are absolute numbers there. u = half_ulp() throughout.
 #pragma once
 #include "lib/bits.glsl"
 #include "lib/math.glsl"
@@ -18,6 +18,21 @@ struct LocalRay {
     dvec3 org;
     dvec3 dir;
 };
+
+// The ray from t = start on.
+LocalRay moved(LocalRay ray, float start) {
+    PRECISE dvec3 org = ray.org + ray.dir * double(start);
+    return LocalRay(org, ray.dir);
+}
+
+// For decisions a ray from afar is moved to t = start, where it enters what it is traced through:
+// doubles hold some 2^-53 of its way, and what moving loses is lost for all triangles alike. One
+// from close by is taken as it is, and `start` becomes 0.
+LocalRay moved_from_afar(LocalRay ray, INOUT(float) start) {
+    const float kNear = 16.0;  // in sizes of the object
+    if (largest(abs(vec3(ray.org))) <= kNear) start = 0.0;
+    return moved(ray, start);
+}
 
 double sharp_dot(dvec3 a, dvec3 b) {
     PRECISE double d = a.x * b.x + a.y * b.y + a.z * b.z;
@@ -31,7 +46,8 @@ struct Sight {
     vec3 up;
     vec3 along;
     vec3 origin;
-    float t_per_length;
+    float doubt;    // 16 u of the unit of length, or of the ray's origin if that is farther away
+    float t_error;  // of a corner's t
 };
 
 int largest_axis(vec3 v) {
@@ -51,26 +67,29 @@ Sight sight_along(LocalRay ray) {
     vec3 dir = vec3(ray.dir);
     int axis = largest_axis(dir);
     Sight sight;
+    float t_per_length;
     if (axis == 0) {
-        sight.t_per_length = 1.0 / dir.x;
-        sight.right = vec3(-slope(ray.dir.y, ray.dir.x, sight.t_per_length), 1.0, 0.0);
-        sight.up = vec3(-slope(ray.dir.z, ray.dir.x, sight.t_per_length), 0.0, 1.0);
-        sight.along = vec3(sight.t_per_length, 0.0, 0.0);
+        t_per_length = 1.0 / dir.x;
+        sight.right = vec3(-slope(ray.dir.y, ray.dir.x, t_per_length), 1.0, 0.0);
+        sight.up = vec3(-slope(ray.dir.z, ray.dir.x, t_per_length), 0.0, 1.0);
+        sight.along = vec3(t_per_length, 0.0, 0.0);
     } else if (axis == 1) {
-        sight.t_per_length = 1.0 / dir.y;
-        sight.right = vec3(0.0, -slope(ray.dir.z, ray.dir.y, sight.t_per_length), 1.0);
-        sight.up = vec3(1.0, -slope(ray.dir.x, ray.dir.y, sight.t_per_length), 0.0);
-        sight.along = vec3(0.0, sight.t_per_length, 0.0);
+        t_per_length = 1.0 / dir.y;
+        sight.right = vec3(0.0, -slope(ray.dir.z, ray.dir.y, t_per_length), 1.0);
+        sight.up = vec3(1.0, -slope(ray.dir.x, ray.dir.y, t_per_length), 0.0);
+        sight.along = vec3(0.0, t_per_length, 0.0);
     } else {
-        sight.t_per_length = 1.0 / dir.z;
-        sight.right = vec3(1.0, 0.0, -slope(ray.dir.x, ray.dir.z, sight.t_per_length));
-        sight.up = vec3(0.0, 1.0, -slope(ray.dir.y, ray.dir.z, sight.t_per_length));
-        sight.along = vec3(0.0, 0.0, sight.t_per_length);
+        t_per_length = 1.0 / dir.z;
+        sight.right = vec3(1.0, 0.0, -slope(ray.dir.x, ray.dir.z, t_per_length));
+        sight.up = vec3(0.0, 1.0, -slope(ray.dir.y, ray.dir.z, t_per_length));
+        sight.along = vec3(0.0, 0.0, t_per_length);
     }
     sight.origin = vec3(float(sharp_dot(dvec3(sight.right), ray.org)),
                         float(sharp_dot(dvec3(sight.up), ray.org)),
                         float(sharp_dot(dvec3(sight.along), ray.org)));
-    sight.t_per_length = abs(sight.t_per_length);
+    float reach = greater(1.0, largest(abs(vec3(ray.org))));
+    sight.doubt = (16.0 * half_ulp()) * reach;
+    sight.t_error = (2.5 * sight.doubt) * abs(t_per_length);
     return sight;
 }
 
@@ -96,7 +115,7 @@ struct Crossing {
 // all. If all three are larger than 3 times that, so is the area, and t, the mean of the corners'
 // t weighted by them, is wrong by their error's share of the area times the depth of the triangle,
 // and by 40 u of the unit of length for the corners' own t and the arithmetic. If in doubt, t is
-// within the triangle.
+// within the triangle. An origin beyond 1 raises all errors alike.
 bool may_cross(Triangle triangle, Sight sight, OUT(Crossing) crossing) {
     count_test();
     float ax = dot3(sight.right, triangle.v0) - sight.origin.x;
@@ -110,7 +129,7 @@ bool may_cross(Triangle triangle, Sight sight, OUT(Crossing) crossing) {
     float w1 = ax * cy - ay * cx;
     float w2 = bx * ay - by * ax;
     float size = ((abs(ax) + abs(ay)) + (abs(bx) + abs(by))) + (abs(cx) + abs(cy));
-    float doubt = (16.0 * half_ulp()) * size + (256.0 * half_ulp() * half_ulp());
+    float doubt = sight.doubt * (size + sight.doubt);
     float least = lesser(w0, lesser(w1, w2));
     float most = greater(w0, greater(w1, w2));
     if (least < -doubt && most > doubt) return false;
@@ -120,7 +139,7 @@ bool may_cross(Triangle triangle, Sight sight, OUT(Crossing) crossing) {
     float ct = dot3(sight.along, triangle.v2) - sight.origin.z;
     float near = lesser(at, lesser(bt, ct));
     float far = greater(at, greater(bt, ct));
-    float error = (40.0 * half_ulp()) * sight.t_per_length;
+    float error = sight.t_error;
     crossing.is_sure = least > doubt || most < -doubt;
     if (crossing.is_sure) {
         float share = 1.0 / (w0 + w1 + w2);

@@ -68,8 +68,14 @@ uint fetch_top_cell(Grid grid, ivec3 cell) {
 
 bool is_empty_cell(uint cell) { return (cell & kEmptyCell) != 0u; }
 
-// Cells less than this far from the cell, and it itself, are empty; 1 for a full cell.
-int empty_distance(uint cell) { return is_empty_cell(cell) ? int(cell & ~kEmptyCell) : 1; }
+// The edge of the cube of empty cells that lies ahead of a ray, in cells: 1 for a full cell.
+// `octant_shift`: 3 times the octant of its direction.
+int empty_cube(uint cell, uint octant_shift) {
+    uint code = (cell >> octant_shift) & 7u;
+    uint edges = code < 4u ? kEmptyCubeEdges0 : kEmptyCubeEdges4;
+    int edge = int((edges >> (8u * (code & 3u))) & 255u);
+    return is_empty_cell(cell) ? edge : 1;
+}
 
 int first_reference(uint cell) { return int(cell); }
 
