@@ -3,15 +3,12 @@
 
 #ifdef ONEPASS_TWIN
 float infinity() { return std::numeric_limits<float>::infinity(); }
-// 2^s + 1, where s is half the digits of a number, rounded up.
-float splitter() { return float((1ull << ((std::numeric_limits<float>::digits + 1) / 2)) + 1); }
 // The most that rounding to nearest is wrong by, beside 1: 2^-24 in GLSL.
 float half_ulp() { return float(0.5) * std::numeric_limits<float>::epsilon(); }
 bool is_number(float x) { return !std::isnan(x); }
 bool is_finite(float x) { return std::isfinite(x); }
 #else
 float infinity() { return uintBitsToFloat(0x7F800000u); }
-float splitter() { return 4097.0; }
 float half_ulp() { return 5.9604644775390625e-8; }
 // Drivers turn comparisons round as if there were no NaN; bits they leave alone.
 bool is_number(float x) { return (floatBitsToUint(x) & 0x7FFFFFFFu) <= 0x7F800000u; }
