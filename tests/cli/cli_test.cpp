@@ -122,7 +122,7 @@ TEST(Usage, without_a_command_or_with_an_unknown_one_is_refused) {
 }
 
 const std::vector<std::string> kSmallExplain = {"explain",     "balls-1", "-s",
-                                                "embree/fast", "-s",      "grid/*/twin32"};
+                                                "embree/fast", "-s",      "grid/buffer/twin32"};
 
 TEST(Explain, tells_one_ray_of_an_image_and_leaves_a_scene_that_says_the_same) {
     const TemporaryFolder folder;
