@@ -82,7 +82,7 @@ Handling handling_of(Tracer& tracer, const RayWalk& walk, uint32_t inst_id, uint
 
 /// Where the walk was at its end.
 std::string end_text(const RayWalk& walk) {
-    if (walk.steps.empty()) return "the walk never entered the top-level grid";
+    if (walk.steps.empty()) return "the walk entered no grid";
     const auto last_top = std::find_if(walk.steps.rbegin(), walk.steps.rend(),
                                        [](const WalkStep& s) { return s.inst_id == kNoId; });
     const std::string place =

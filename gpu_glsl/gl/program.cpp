@@ -310,6 +310,16 @@ void Program::set_buffer(const std::string& block, const Buffer& buffer, Missing
 
 void Program::set_buffer(const std::string& block, const Texture& buffer_texture, Missing missing) {
     ONEPASS_CHECK(buffer_texture.buffer_id() != 0);
+    if (missing == Missing::allowed && std::ranges::find(blocks_, block) == blocks_.end()) return;
+    GLint64 most = 0;
+    glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
+    if (buffer_texture.bytes() > static_cast<size_t>(most)) {
+        throw Error({.where = fmt::format("storage block '{}' of program '{}'", block, name_),
+                     .got = fmt::format("{} bytes", buffer_texture.bytes()),
+                     .expected = fmt::format("at most {} (GL_MAX_SHADER_STORAGE_BLOCK_SIZE)", most),
+                     .remedy = "Take the storage 'buffer', or lower --param density."},
+                    Error::Kind::device);
+    }
     set_block(block, buffer_texture.buffer_id(), missing);
 }
 

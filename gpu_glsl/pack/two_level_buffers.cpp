@@ -24,6 +24,16 @@ std::vector<uint64_t> starts_of(const std::vector<UniformGrid>& grids, const Cou
     return starts;
 }
 
+/// What the shader decodes is what core/grid encodes.
+constexpr bool same_empty_cube_edges() {
+    for (size_t code = 0; code < kEmptyCubeEdges.size(); ++code) {
+        const uint32_t edges = code < 4 ? kEmptyCubeEdges0 : kEmptyCubeEdges4;
+        if (((edges >> (8 * (code % 4))) & 255u) != kEmptyCubeEdges[code]) return false;
+    }
+    return true;
+}
+static_assert(same_empty_cube_edges());
+
 /// The words of a grid's cells (shared/grid_buffers_layout.h).
 void put_cells(uint32_t* out, const UniformGrid& grid, uint64_t first_reference) {
     const auto base = static_cast<uint32_t>(first_reference);
@@ -39,22 +49,22 @@ void put_cells(uint32_t* out, const UniformGrid& grid, uint64_t first_reference)
 
 /// The words of a grid's references.
 void put_references(uint32_t* out, const UniformGrid& grid) {
-    tbb::parallel_for(tbb::blocked_range<uint64_t>(0, grid.cell_count(), 1 << 14),
-                      [&](const auto& range) {
-                          for (uint64_t i = range.begin(); i != range.end(); ++i) {
-                              const uint32_t end = grid.cell_begin[i + 1];
-                              for (uint32_t k = grid.cell_begin[i]; k < end; ++k) {
-                                  out[k] = grid.references[k] | (k + 1 == end ? kLastReference : 0);
-                              }
-                          }
-                      });
+    tbb::parallel_for(
+        tbb::blocked_range<uint64_t>(0, grid.cell_count(), 1 << 14), [&](const auto& range) {
+            for (uint64_t i = range.begin(); i != range.end(); ++i) {
+                const uint32_t end = grid.cell_begin[i + 1];
+                for (uint32_t k = grid.cell_begin[i]; k < end; ++k) {
+                    out[k] = grid.references[k] | (k + 1 == end ? 0 : kMoreReferences);
+                }
+            }
+        });
 }
 
 void check_index_range(const char* what, uint64_t count) {
-    if (count <= kLastReference) return;
+    if (count < kMoreReferences) return;
     throw Error({.where = "packing grids into buffers",
                  .got = fmt::format("{} {}", count, what),
-                 .expected = fmt::format("at most {}, which fit in 31 bits", kLastReference),
+                 .expected = fmt::format("fewer than {}: an index has 31 bits", kMoreReferences),
                  .remedy = "Lower --param density, or split the scene."});
 }
 

@@ -1,4 +1,4 @@
-// The two-level grid packed into buffer textures: storage/two_level_grid/buffer.
+// The two-level grid packed into buffers: storage/two_level_grid/buffer and ssbo.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct TwoLevelBuffers {
     uint64_t object_references = 0;
 };
 
-/// Layouts in gpu_glsl/shaders/storage/two_level_grid/buffer.glsl and shared/grid_buffers_layout.h.
+/// Layouts in gpu_glsl/shaders/storage/two_level_grid/grid_buffers.glsl and shared/grid_buffers_layout.h.
 ///
 /// Positions are stored in the frame of their object's grid, without rounding.
 /// Cost:   O(cells + references + triangles); parallel where it pays.

@@ -21,7 +21,8 @@
 namespace onepass::test {
 namespace {
 
-constexpr const char* kEntries[] = {"grid/buffer/fragment", "grid/buffer/compute"};
+constexpr const char* kEntries[] = {"grid/buffer/fragment", "grid/buffer/compute",
+                                    "grid/ssbo/fragment", "grid/ssbo/compute"};
 
 class GridStrategy : public GlTest {
   protected:
@@ -271,6 +272,49 @@ TEST_F(GridStrategy, a_triangle_without_area_is_never_hit) {
     }
     for (const Hit& hit : cast(*make("grid/buffer/twin32", shared), rays).hits) {
         EXPECT_TRUE(!hit.is_hit() || hit.prim_id == 3) << describe(hit);
+    }
+}
+
+TEST_F(GridStrategy, a_ray_along_an_axis_is_answered_rightly_however_long_its_direction) {
+    const ScenePtr scene = ball_at(vec3(0.0f), 1.0f);
+    std::vector<Ray> rays;
+    for (int exponent = -28; exponent <= 28; exponent += 4) {
+        const float length = std::pow(10.0f, static_cast<float>(exponent));
+        for (int axis = 0; axis < 3; ++axis) {
+            for (const float sign : {-1.0f, 1.0f}) {
+                vec3 org(0.3f, 0.17f, -0.41f);
+                org[axis] = -3.0f * sign;
+                vec3 dir(0.0f);
+                dir[axis] = sign * length;
+                rays.push_back({org, 0.0f, dir, kInfinity});
+            }
+        }
+    }
+    for (const char* entry : {"grid/buffer/twin32", "grid/buffer/fragment"}) {
+        EXPECT_EQ(hit_count(cast(*make(entry, scene), rays).hits), rays.size()) << entry;
+        expect_no_error(*make(entry, scene), scene, rays, entry);
+    }
+}
+
+TEST_F(GridStrategy, a_triangle_seen_nearly_edge_on_is_not_hit_from_beside) {
+    Scene scene = *ball_at(vec3(0.0f), 1.0f);
+    Object& object = scene.objects.front();
+    object.positions = {
+        {0.5f, 1, 1}, {0.5f, 1 + 0x1p-8f, 1}, {0.5f + 0x1p-10f, 1 + 0x1p-9f, 1 + 0x1p-9f},
+        {-1, -1, -1}, {-1, -0.5f, -1},        {-1, -1, -0.5f}};
+    object.triangles = {{0, 1, 2}, {3, 4, 5}};
+    object.groups = {{"all", 0, uint32_t(object.triangles.size())}};
+    object.normals.clear();
+    validate(scene);
+    const ScenePtr shared = share(scene);
+    std::vector<Ray> rays;
+    for (int i = 1; i <= 200; ++i) {
+        rays.push_back(
+            {vec3(-1e-14f * static_cast<float>(i), 0, 0), 0.0f, vec3(0.5f, 0, 1), kInfinity});
+    }
+    for (const char* entry : {"grid/buffer/twin32", "grid/buffer/fragment"}) {
+        const auto tracer = make(entry, shared, {{"resolution", "1x1x1"}});
+        EXPECT_EQ(hit_count(cast(*tracer, rays).hits), 0u) << entry;
     }
 }
 

@@ -17,8 +17,9 @@ const uint kEmptyCell = 0x80000000u;
 const uint kEmptyCubeEdges0 = 0x05030201u;  // edges of codes 0 to 3, a byte each ...
 const uint kEmptyCubeEdges4 = 0x22150D08u;  // ... and 4 to 7
 
-// A word a reference: this bit marks the last one of a list.
-const uint kLastReference = 0x80000000u;
+// A word a reference: this bit says that the list goes on. (So a word of 0 ends it: that is what lanes
+// that are switched off read from storage blocks on a software renderer, while they run loops.)
+const uint kMoreReferences = 0x80000000u;
 
 // q = M (p - place) - origin takes the world to the frame of the object's grid. The rows of M, each
 // number as the sum of two floats: the leading parts of the three rows, with the place's

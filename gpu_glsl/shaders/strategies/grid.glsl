@@ -11,7 +11,7 @@
 // place where rounding could lose, invent or swap a hit closed.
 //
 // 1. All of a grid is stored in the grid's own frame, exactly, and the ray is brought there in
-//    doubles (storage/two_level_grid/buffer.glsl).
+//    doubles (storage/two_level_grid/grid_buffers.glsl).
 // 2. The ray's origin is moved to where it enters the grid, so that rounding goes with the grid's
 //    size and not with the ray's length. From there on all numbers are floats.
 // 3. Cells are integers, their planes are computed, not added up, and empty space is crossed at once

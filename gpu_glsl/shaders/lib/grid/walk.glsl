@@ -38,9 +38,10 @@ struct Walk {
 };
 
 // A component of 0 would divide to infinity, and 0 * infinity is no number. One that is 2^-66 of
-// the largest moves the ray by nothing within the grid.
+// the largest moves the ray by nothing within the grid; nor does the least normal number, 2^-126, if
+// the largest is at least 2^-100.
 float guarded(float d, float largest_component) {
-    float least = 1.3552527156068805e-20 * largest_component;
+    float least = greater(1.3552527156068805e-20 * largest_component, 1.1754943508222875e-38);
     return abs(d) < least ? (d < 0.0 ? -least : least) : d;
 }
 

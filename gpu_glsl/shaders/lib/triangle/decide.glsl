@@ -48,6 +48,16 @@ double sharp_edge(SharpCorner from, SharpCorner to) {
     return abs(w) <= kDoubt * made_of ? double(0.0) : w;
 }
 
+// Whether a coordinate of three corners is 0 somewhere between them, within the 8 u that each can be
+// wrong. Nearly edge-on, two edges may count as on the ray that only their common corner is near:
+// this keeps such a triangle to its own extent.
+bool may_span(double a, double a_of, double b, double b_of, double c, double c_of) {
+    const double kError = double(8.8817841970012523e-16);  // 2^-50: 8 u
+    bool is_below = a <= kError * a_of || b <= kError * b_of || c <= kError * c_of;
+    bool is_above = a >= -kError * a_of || b >= -kError * b_of || c >= -kError * c_of;
+    return is_below && is_above;
+}
+
 SharpHit sharp_hit(LocalRay ray, Triangle triangle) {
     int axis = largest_axis(vec3(ray.dir));
     dvec3 dir = turned(ray.dir, axis);
@@ -61,8 +71,10 @@ SharpHit sharp_hit(LocalRay ray, Triangle triangle) {
     double w1 = sharp_edge(c, a);
     double w2 = sharp_edge(a, b);
     bool is_outside = (w0 < 0.0 || w1 < 0.0 || w2 < 0.0) && (w0 > 0.0 || w1 > 0.0 || w2 > 0.0);
+    bool is_beside = !may_span(a.at.x, a.x_of, b.at.x, b.x_of, c.at.x, c.x_of) ||
+                     !may_span(a.at.y, a.y_of, b.at.y, b.y_of, c.at.y, c.y_of);
     PRECISE double area = w0 + w1 + w2;
-    if (is_outside || area == 0.0) return SharpHit(false, double(infinity()), 0.0, 0.0);
+    if (is_outside || is_beside || area == 0.0) return SharpHit(false, double(infinity()), 0.0, 0.0);
 
     PRECISE double z = w0 * a.at.z + w1 * b.at.z + w2 * c.at.z;
     PRECISE double t = z / (area * dir.z);

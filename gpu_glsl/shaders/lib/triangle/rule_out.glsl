@@ -118,6 +118,7 @@ struct Crossing {
 // within the triangle. An origin beyond 1 raises all errors alike.
 bool may_cross(Triangle triangle, Sight sight, OUT(Crossing) crossing) {
     count_test();
+    crossing = Crossing(infinity(), infinity(), false);
     float ax = dot3(sight.right, triangle.v0) - sight.origin.x;
     float ay = dot3(sight.up, triangle.v0) - sight.origin.y;
     float bx = dot3(sight.right, triangle.v1) - sight.origin.x;

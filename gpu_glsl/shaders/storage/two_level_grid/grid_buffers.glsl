@@ -89,8 +89,8 @@ uint fetch_instance_reference(int index) {
     return FETCHBUFFER(top_references, index).x;
 }
 
-bool is_last_reference(uint reference) { return (reference & kLastReference) != 0u; }
-uint referenced(uint reference) { return reference & ~kLastReference; }
+bool is_last_reference(uint reference) { return (reference & kMoreReferences) == 0u; }
+uint referenced(uint reference) { return reference & ~kMoreReferences; }
 
 // ---- Triangles and instances -------------------------------------------------------------------
 
