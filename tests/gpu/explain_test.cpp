@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "compare/reproduction.h"
+#include "core/grid/two_level_grid.h"
 #include "core/io/load.h"
 #include "cpu_ref/embree_tracer.h"
 #include "cpu_ref/exact_judge.h"
@@ -67,9 +68,25 @@ TEST(Walk, of_every_twin_lists_what_its_counters_count) {
     }
 }
 
-TEST(Walk, tests_a_triangle_only_in_cells_that_hold_it_and_steps_to_neighbours) {
+/// Whether the cells that a step leaves behind hold nothing: the box from `from` on, without what
+/// lies as far along the longest axis as `to`.
+bool crosses_empty_cells(const UniformGrid& grid, const ivec3& from, const ivec3& to) {
+    const ivec3 stride = glm::abs(to - from);
+    const int longest = std::max({stride.x, stride.y, stride.z});
+    const ivec3 end = glm::min(stride, ivec3(longest - 1)) + 1;
+    const ivec3 ahead = glm::sign(to - from);
+    for (int k = 0; k < end.x * end.y * end.z; ++k) {
+        const ivec3 offset(k % end.x, k / end.x % end.y, k / (end.x * end.y));
+        if (!grid.cell_references(uvec3(from + ahead * offset)).empty()) return false;
+    }
+    return true;
+}
+
+TEST(Walk, tests_a_triangle_only_in_cells_that_hold_it_and_passes_by_no_cell_that_holds_one) {
     const Catalogue catalogue = catalogue_of(nullptr);
     const ScenePtr scene = share(make_instances());
+    const TwoLevelGrid built = build_two_level_grid(*scene, {.object = {.density = 3.0}});
+    size_t jumps = 0;
     const std::vector<Ray> rays = random_rays(scene_bounds(*scene), 120, 9);
     for (const char* name : {"paper/texture2d/twin32", "paper_claims/texture2d_virtual/twin64",
                              "grid/buffer/twin32"}) {
@@ -80,12 +97,16 @@ TEST(Walk, tests_a_triangle_only_in_cells_that_hold_it_and_steps_to_neighbours) 
             for (size_t i = 0; i < walk.steps.size(); ++i) {
                 const WalkStep& step = walk.steps[i];
                 if (i > 0 && walk.steps[i - 1].inst_id == step.inst_id && step.inst_id != kNoId) {
-                    // Empty space may be crossed at once, but a cell with triangles is left for
-                    // the next one.
-                    const WalkStep& last = walk.steps[i - 1];
-                    const ivec3 stride = glm::abs(step.cell - last.cell);
-                    const bool may_jump = last.tests.empty() && name[0] == 'g';
-                    EXPECT_LE(std::max({stride.x, stride.y, stride.z}), may_jump ? 34 : 1) << name;
+                    // Only `grid` may cross several cells at once.
+                    const ivec3 last = walk.steps[i - 1].cell;
+                    const ivec3 stride = glm::abs(step.cell - last);
+                    if (std::max({stride.x, stride.y, stride.z}) > 1) {
+                        const uint32_t object = scene->instances[step.inst_id].object;
+                        EXPECT_TRUE(name == std::string("grid/buffer/twin32") &&
+                                    crosses_empty_cells(built.objects[object], last, step.cell))
+                            << name;
+                        ++jumps;
+                    }
                 }
                 for (size_t k = 0; k < std::min<size_t>(step.tests.size(), 2); ++k) {
                     const std::vector<ivec3> cells =
@@ -98,6 +119,7 @@ TEST(Walk, tests_a_triangle_only_in_cells_that_hold_it_and_steps_to_neighbours) 
         }
         EXPECT_GT(checked, 50u) << name;
     }
+    EXPECT_GT(jumps, 10u);
 }
 
 TEST(Walk, is_not_told_by_those_who_cannot) {
@@ -170,7 +192,8 @@ TEST(ReproductionOfARealRay, keeps_the_verdicts_after_reloading) {
     for (const Scene& made : {make_balls_1(), make_instances()}) {
         const ScenePtr scene = share(made);
         const auto judge = make_exact_judge(scene);
-        // One ray a call: which triangle a packet takes at an edge depends on the rest of the scene.
+        // One ray a call: which triangle a packet takes at an edge depends on the rest of the
+        // scene.
         std::vector<CatalogueEntry> embree = embree_tracers();
         std::erase_if(embree, [](const CatalogueEntry& e) { return !e.info.by_default; });
         size_t doubtful = 0;
