@@ -1,5 +1,6 @@
 #include "gpu_glsl/pack/bvh_buffers.h"
 
+#include <array>
 #include <bit>
 
 #include <tbb/blocked_range.h>
@@ -7,6 +8,7 @@
 
 #include "core/error.h"
 #include "core/grid/sizing.h"
+#include "gpu_glsl/pack/barycentric_planes.h"
 #include "gpu_glsl/pack/frames.h"
 
 namespace onepass {
@@ -50,23 +52,27 @@ void put_nodes(uint32_t* out, const Bvh& bvh, const GridFrame& frame, uint32_t f
         });
 }
 
-/// An object's corners in the order of the leaves, and the triangle in each slot.
-void put_triangles(float* corners, uint32_t* primitives, const Object& object, const Bvh& bvh,
-                   const GridFrame& frame) {
+/// An object's corners and planes in the order of the leaves, and the triangle in each slot.
+void put_triangles(float* corners, float* planes, uint32_t* primitives, const Object& object,
+                   const Bvh& bvh, const GridFrame& frame) {
     tbb::parallel_for(
         tbb::blocked_range<size_t>(0, bvh.primitives.size(), 1 << 12), [&](const auto& range) {
             for (size_t slot = range.begin(); slot != range.end(); ++slot) {
                 const uint32_t prim_id = bvh.primitives[slot];
                 primitives[slot] = prim_id;
-                for (int v = 0; v < kBvhTriangleTexels; ++v) {
-                    float* const out =
-                        corners + 4 * (kBvhTriangleTexels * slot + static_cast<size_t>(v));
-                    const dvec3 p(object.positions[object.triangles[prim_id][v]]);
+                std::array<dvec3, 3> stored;
+                for (size_t v = 0; v < stored.size(); ++v) {
+                    float* const out = corners + 4 * (kBvhTriangleTexels * slot + v);
+                    const dvec3 p(
+                        object.positions[object.triangles[prim_id][static_cast<int>(v)]]);
                     const dvec3 q = (p - frame.origin) * frame.scale;
                     for (int axis = 0; axis < 3; ++axis) {
                         out[axis] = static_cast<float>(q[axis]);
+                        stored[v][axis] = double{out[axis]};
                     }
                 }
+                put_barycentric_planes(planes + 4 * kBvhPlanesTexels * slot, stored[0], stored[1],
+                                       stored[2]);
             }
         });
 }
@@ -127,6 +133,8 @@ BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh,
         make_word_buffer("bvh_nodes", "nodes", places.back().node * kBvhNodeTexels, 4, limits);
     TextureData vertices = make_float_buffer("bvh_vertices", "triangles",
                                              places.back().slot * kBvhTriangleTexels, limits);
+    TextureData planes = make_float_buffer("bvh_planes", "triangles",
+                                           places.back().slot * kBvhPlanesTexels, limits);
     TextureData primitives =
         make_word_buffer("bvh_primitives", "triangles", places.back().slot, 1, limits);
     std::vector<GridFrame> frames;
@@ -137,6 +145,7 @@ BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh,
         put_nodes(&nodes.words[4 * kBvhNodeTexels * at.node], tree, frames.back(),
                   static_cast<uint32_t>(at.node), static_cast<uint32_t>(at.slot));
         put_triangles(&vertices.texels[4 * kBvhTriangleTexels * at.slot],
+                      &planes.texels[4 * kBvhPlanesTexels * at.slot],
                       &primitives.words[at.slot], scene.objects[k], tree, frames.back());
     }
 
@@ -157,6 +166,7 @@ BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh,
     std::deque<TextureData>& textures = packed.inputs.textures;
     textures.push_back(std::move(nodes));
     textures.push_back(std::move(vertices));
+    textures.push_back(std::move(planes));
     textures.push_back(std::move(primitives));
     textures.push_back(std::move(roots));
     textures.push_back(std::move(top_nodes));

@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/grid/empty_space.h"
+#include "gpu_glsl/pack/barycentric_planes.h"
 
 namespace onepass {
 namespace {
@@ -118,6 +119,23 @@ TextureData pack_triangles(const Scene& scene, const TwoLevelGrid& grid,
                           });
     }
     return triangles;
+}
+
+/// The planes of the same triangles, from the corners as stored.
+TextureData pack_planes(const TextureData& triangles, const TextureLimits& limits) {
+    const size_t count = triangles.texels.size() / (4 * kTriangleVertexTexels);
+    TextureData planes = make_float_buffer("planes", "triangles", count * kPlanesTexels, limits);
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 1 << 12), [&](const auto& range) {
+        for (size_t i = range.begin(); i != range.end(); ++i) {
+            const auto corner = [&](size_t v) {
+                const float* const p = &triangles.texels[4 * (kTriangleVertexTexels * i + v)];
+                return dvec3(p[0], p[1], p[2]);
+            };
+            put_barycentric_planes(&planes.texels[4 * kPlanesTexels * i], corner(0), corner(1),
+                                   corner(2));
+        }
+    });
+    return planes;
 }
 
 TextureData pack_grid_frames(const std::vector<UniformGrid>& grids, const TextureLimits& limits) {
@@ -230,6 +248,7 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, const TwoLevelGrid& g
     add(pack_cells(grids, first_cell, first_reference, limits));
     add(pack_references(grids, first_reference, limits));
     add(pack_triangles(scene, grid, first_triangle, limits));
+    add(pack_planes(packed.inputs.textures.back(), limits));
     add(pack_grid_frames(grids, limits));
     add(pack_grid_numbers(grids, first_cell, first_triangle, limits));
     add(pack_instance_grids(scene, limits));

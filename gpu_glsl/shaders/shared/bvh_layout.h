@@ -10,6 +10,9 @@ const int kBvhNodeTexels = 4;
 const uint kBvhLeaf = 0x80000000u;
 const uint kBvhSlot = 16u;
 
+// What floats test (pack/barycentric_planes.h).
+const int kBvhPlanesTexels = 3;
+
 // The corners, in the object's frame.
 const int kBvhTriangleTexels = 3;
 

@@ -7,6 +7,9 @@ const int kGridFrameTexels = 4;
 // Integers: dims and the index of the first cell; then first triangle, 0, 0, 0.
 const int kGridNumberTexels = 2;
 
+// What floats test (pack/barycentric_planes.h).
+const int kPlanesTexels = 3;
+
 // The corners, in the frame of the object's grid.
 const int kTriangleVertexTexels = 3;
 

@@ -20,6 +20,7 @@
 #pragma once
 #include "lib/bvh/descent.glsl"
 #include "lib/triangle/decide.glsl"
+#include "lib/triangle/rule_out.glsl"
 
 // False: one instance, and no tree over it.
 CONSTANT(bool, has_top_level)
@@ -63,6 +64,7 @@ struct Course {
     BoxRay boxes;
     Sight sight;
     float start;  // t of the ray at the origin of both; kMissed: it does not enter
+    float length_of_t;  // the sight's t that go into one of the ray's
 };
 
 Course course_of(uint inst_id, LocalRay local, Ray ray, float t_last) {
@@ -82,7 +84,10 @@ Course course_of(uint inst_id, LocalRay local, Ray ray, float t_last) {
     org = vec3(entering.org);
     const float kLostByMoving = 1.7763568394002505e-15;  // 2^-49: 16 half ulps of a double
     course.boxes = box_ray(org, dir, 4.0 * half_ulp() * largest(abs(org)) + kLostByMoving * far);
-    course.sight = sight_along(entering);
+    double length = length_scale(local);
+    course.length_of_t = float(length);
+    course.sight = Sight(org, vec3(local.dir * (double(1.0) / length)),
+                         greater(1.0, largest(abs(org))));
     return course;
 }
 
@@ -117,13 +122,12 @@ void walk_instance(uint inst_id, Ray ray, INOUT(Nearest) nearest) {
         count_cell();
         NOTE_CELL(inst_id, ivec3(slot, 0, 0));
         for (; slot < end; ++slot) {
-            Triangle triangle = fetch_triangle(slot);
             NOTE_TEST(inst_id, fetch_primitive(slot));
             Crossing crossing;
-            if (may_cross(triangle, course.sight, crossing) && crossing.from <= bound &&
-                crossing.to >= 0.0) {
+            if (may_cross(fetch_planes(slot), course.sight, crossing) &&
+                crossing.from <= bound * course.length_of_t && crossing.to >= 0.0) {
                 count_reference();
-                decide(sharp, sharp_start, triangle, inst_id, fetch_primitive(slot), ray, nearest);
+                decide(sharp, sharp_start, fetch_triangle(slot), inst_id, fetch_primitive(slot), ray, nearest);
                 bound = bound_from(start, ray, nearest);
             }
         }

@@ -37,19 +37,117 @@ bool is_before(uint inst_id, uint prim_id, Hit other) {
 
 // ---- The object level --------------------------------------------------------------------------
 
-// t between which the nearest hit lies, from the start of a course on; infinite if there is none.
+// t between which the nearest hit lies, along a course.
 struct Bracket {
     float from;
     float to;
 };
 
-// A number's two ulps, to be on the safe side of its rounding.
-float two_ulps(float x) { return (4.0 * half_ulp()) * abs(x); }
+// A number with two ulps, to be on the safe side of its rounding.
+Bracket bracket_of(float t) {
+    float rounding = (4.0 * half_ulp()) * abs(t);
+    return t < infinity() ? Bracket(t - rounding, t + rounding) : Bracket(t, t);
+}
 
-Bracket bracket_of(double t, float start) {
-    float about = float(t - double(start));
-    if (!(about < infinity())) return Bracket(infinity(), infinity());
-    return Bracket(about - two_ulps(about), about + two_ulps(about));
+// What floats found out about one instance.
+struct Findings {
+    uint found;    // the triangle that is hit first, but for `open`, or kNoId
+    uint open;     // one of which they cannot tell whether it is hit, or before that one, or kNoId
+    uint other;    // another one
+    bool is_over;  // false if the walk stopped: because a second triangle would be open, or exhausted
+    // Where it stopped.
+    bool is_full;
+    vec3 left;
+    int at;
+    float start;   // of the course
+};
+
+// Walks through an instance's grid and tests its triangles, from where an earlier walk stopped, if it
+// did. `nearest` is the nearest hit of this and other instances so far.
+Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, Nearest nearest,
+                        Findings earlier) {
+    Findings now = Findings(kNoId, kNoId, kNoId, true, false, vec3(0.0), 0, 0.0);
+    Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
+    // The course is the same from whichever cell of the top level the instance is met, so that a
+    // triangle met twice gives the same t twice; the walk covers the part that was asked for.
+    Course course = course_in(grid, to_instance(inst_id, ray), ray.tmin, ray.tmax);
+    now.start = course.start;
+    // The walk's t are those of the course.
+    float begin = greater(t_along(course, double(t_first)), 0.0);
+    float end = lesser(t_along(course, double(t_last)), course.leave);
+    if (!(begin <= end)) return now;
+    Sight sight = Sight(course.org, course.dir, 1.0);
+    Walk walk = begin_walk(grid, course, begin);
+    uint octant = octant_shift(walk);
+    if (earlier.is_full) walk.left = earlier.left;
+
+    Bracket bracket = bracket_of(t_along(course, min(nearest.t, double(ray.tmax))));
+    end = min(end, smallest(walk.t_leave));
+    now.found = nearest.hit.inst_id == inst_id ? nearest.hit.prim_id : kNoId;
+    now.is_over = false;
+    int at = earlier.at;
+    bool is_resumed = earlier.is_full;
+    for (int steps = step_budget(grid); steps > 0; --steps) {
+        count_cell();
+        NOTE_CELL(inst_id, cell_of(grid, walk));
+        uint cell = cell_word(cell_index(walk));
+        bool is_in_list = !is_empty_cell(cell);
+        if (is_in_list) {
+            if (!is_resumed) at = first_reference(cell);
+            is_resumed = false;
+            const int kMostReferences = 1 << 30;
+            for (int left = kMostReferences; left > 0; --left) {
+                uint reference = fetch_triangle_reference(at);
+                uint prim_id = referenced(reference);
+                NOTE_TEST(inst_id, prim_id);
+                Crossing crossing;
+                bool is_hit = may_cross(fetch_planes(grid, prim_id), sight, crossing) &&
+                              crossing.from <= bracket.to && crossing.to >= 0.0 &&
+                              prim_id != now.found && prim_id != now.open &&
+                              prim_id != now.other;
+                if (is_hit) {
+                    bool is_clear = crossing.is_sure && crossing.to < bracket.from && crossing.from > 0.0;
+                    if (is_clear) {
+                        now.found = prim_id;
+                        bracket = Bracket(crossing.from, crossing.to);
+                    } else if (now.open == kNoId) {
+                        now.open = prim_id;
+                    } else if (now.other == kNoId) {
+                        now.other = prim_id;
+                    } else {
+                        now.is_full = true;
+                        break;
+                    }
+                }
+                is_in_list = !is_last_reference(reference);
+                if (!is_in_list) break;
+                ++at;
+            }
+            if (is_in_list) break;  // to decide, or the driver ended the loop
+        }
+        vec3 behind = left_behind(walk, vec3(empty_cube(cell, octant)));
+        vec3 t_exit = exit_t(walk, behind);
+        float t = min(t_exit.x, min(t_exit.y, t_exit.z));
+        now.is_over = t >= min(end, bracket.to);
+        if (now.is_over) break;
+        next_cell(t, t_exit, behind, walk);
+    }
+    now.left = walk.left;
+    now.at = at;
+    return now;
+}
+
+// Asks the doubles whether a triangle of an instance is hit before the nearest so far. `start`: where
+// its grid is entered.
+void decide(uint inst_id, Ray ray, float start, uint prim_id, INOUT(Nearest) nearest) {
+    LocalRay local = moved_from_afar(to_instance(inst_id, ray), start);
+    Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
+    SharpHit sharp = sharp_hit(local, fetch_triangle(grid, prim_id));
+    double t = sharp.t + double(start);
+    if (sharp.is_hit && t >= double(ray.tmin) && t <= double(ray.tmax) &&
+        (t < nearest.t || (t == nearest.t && is_before(inst_id, prim_id, nearest.hit)))) {
+        nearest = Nearest(t, Hit(float(t), sharp.u, sharp.v, prim_id, inst_id));
+    }
 }
 
 // Finds the nearest hit on one instance, where the ray meets it in [t_first, t_last].
@@ -60,115 +158,33 @@ Bracket bracket_of(double t, float start) {
 // decided on its way would pay for it at every test: a software renderer goes through both sides
 // of a branch, and a GPU keeps registers for both.)
 void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nearest) nearest) {
-    int grid_number = fetch_grid_of_instance(inst_id);
-    Grid grid = fetch_grid(grid_number);
-    // The course is the same from whichever cell of the top level the instance is met, so that a
-    // triangle met twice gives the same t twice; the walk covers the part that was asked for.
-    Course course = course_in(grid, to_instance(inst_id, ray), ray.tmin, ray.tmax);
-    float begin = greater(t_first - course.start, 0.0);
-    float end = lesser(t_last - course.start, course.leave);
-    if (!(begin <= end)) return;
-    Sight sight = sight_along(course.ray);
-    Walk walk = begin_walk(grid, course, begin);
-    uint octant = octant_shift(walk);
-
-    // From here on t counts from the start of the course.
-    float t_inside = ray.tmin - course.start;
-    float t_before = ray.tmax - course.start;
-    t_inside += two_ulps(t_inside);
-    t_before -= t_before < infinity() ? two_ulps(t_before) : 0.0;
-    Bracket bracket = bracket_of(nearest.t, course.start);
-    uint found = nearest.hit.inst_id == inst_id ? nearest.hit.prim_id : kNoId;
-    uint open = kNoId;
-
-    int steps = step_budget(grid);
-    uint cell = fetch_cell(grid, walk.cell);
-    int at = first_reference(cell);
-    bool is_in_list = !is_empty_cell(cell);
-    bool is_over = false;
-    count_cell();
-    NOTE_CELL(inst_id, walk.cell);
+    Findings findings = Findings(kNoId, kNoId, kNoId, false, false, vec3(0.0), 0, 0.0);
     const int kMostRounds = 1 << 20;
-    for (int rounds = kMostRounds; rounds > 0 && !is_over; --rounds) {
-        bool is_full = false;  // another triangle is open
-        for (; steps > 0 && !is_over && !is_full;) {
-            // The triangles of this cell.
-            const int kMostReferences = 1 << 30;
-            for (int left = kMostReferences; left > 0 && is_in_list && !is_full; --left) {
-                uint reference = fetch_triangle_reference(at);
-                uint prim_id = referenced(reference);
-                NOTE_TEST(inst_id, prim_id);
-                Crossing crossing;
-                bool is_hit = may_cross(fetch_triangle(grid, prim_id), sight, crossing) &&
-                              crossing.from <= bracket.to && crossing.to >= t_inside &&
-                              prim_id != found && prim_id != open;
-                bool is_clear = crossing.is_sure && crossing.to < bracket.from &&
-                                crossing.from > t_inside && crossing.to < t_before;
-                if (is_hit && is_clear) {
-                    found = prim_id;
-                    bracket = Bracket(crossing.from, crossing.to);
-                } else if (is_hit) {
-                    is_full = open != kNoId;
-                    if (!is_full) open = prim_id;
-                }
-                if (!is_full) {
-                    ++at;
-                    is_in_list = !is_last_reference(reference);
-                }
-            }
-            if (is_in_list) break;  // to decide, or the driver ended the loop
-
-            // On to the next cell that is full.
-            bool is_empty = true;
-            for (; steps > 0 && is_empty && !is_over; --steps) {
-                ivec3 last = last_cell(walk, empty_cube(cell, octant));
-                vec3 t_exit = exit_t(walk, last);
-                is_over = !(smallest(t_exit) < lesser(end, bracket.to)) ||
-                          !next_cell(grid, last, t_exit, walk);
-                if (!is_over) {
-                    count_cell();
-                    NOTE_CELL(inst_id, walk.cell);
-                    cell = fetch_cell(grid, walk.cell);
-                    is_empty = is_empty_cell(cell);
-                }
-            }
-            at = first_reference(cell);
-            is_in_list = !is_over && !is_empty;
+    for (int rounds = kMostRounds; rounds > 0; --rounds) {
+        findings = walk_in_floats(inst_id, ray, t_first, t_last, nearest, findings);
+        uint asked = findings.found != kNoId ? findings.found : findings.open;
+        uint next = findings.found != kNoId ? findings.open : findings.other;
+        uint last = findings.found != kNoId ? findings.other : kNoId;
+        while (asked != kNoId) {
+            decide(inst_id, ray, findings.start, asked, nearest);
+            asked = next;
+            next = last;
+            last = kNoId;
         }
-        if (!is_over && !is_full) break;  // the driver ended a loop
-
-        // Doubles decide, first about what floats found, then about what they left open.
-        float start = course.start;
-        LocalRay local = moved_from_afar(to_instance(inst_id, ray), start);
-        int questions = found != kNoId && open != kNoId ? 2 : 1;
-        for (int k = 0; k < questions; ++k) {
-            uint prim_id = k == 0 && found != kNoId ? found : open;
-            if (prim_id != kNoId) {
-                SharpHit sharp = sharp_hit(local, fetch_triangle(grid, prim_id));
-                double t = sharp.t + double(start);
-                if (sharp.is_hit && t >= double(ray.tmin) && t <= double(ray.tmax) &&
-                    (t < nearest.t ||
-                     (t == nearest.t && is_before(inst_id, prim_id, nearest.hit)))) {
-                    nearest = Nearest(t, Hit(float(t), sharp.u, sharp.v, prim_id, inst_id));
-                }
-            }
-        }
-        found = nearest.hit.inst_id == inst_id ? nearest.hit.prim_id : kNoId;
-        open = kNoId;
-        bracket = bracket_of(nearest.t, course.start);
+        if (!findings.is_full) break;
     }
-    if (!is_over) ray_flags |= kFlagExhausted;
+    if (!findings.is_over) ray_flags |= kFlagExhausted;
 }
 
 // ---- The top level -----------------------------------------------------------------------------
 
-// The part of the ray within a cell of the top level that is widened as its lists are: what an
+// The part of the course within a cell of the top level that is widened as its lists are: what an
 // instance of this cell must be walked through for.
 Span span_in_cell(Grid grid, Course course, ivec3 cell) {
     const float kPad = 0.001;  // kBinningPad of core/grid/uniform_grid.h
     vec3 lower = grid.lower + (vec3(cell) - kPad) * grid.cell;
     vec3 upper = grid.lower + (vec3(cell) + (1.0 + kPad)) * grid.cell;
-    return span_in_box(vec3(course.ray.org), 1.0 / course.dir, lower, upper);
+    return span_in_box(course.org, 1.0 / course.dir, lower, upper);
 }
 
 void walk_scene(Ray ray, INOUT(Nearest) nearest) {
@@ -177,36 +193,40 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
     if (!(course.leave >= 0.0)) return;
     Walk walk = begin_walk(grid, course, 0.0);
     uint octant = octant_shift(walk);
+    float end = lesser(course.leave, smallest(walk.t_leave));
+    double t_of_length = double(1.0) / course.length_of_t;
 
     bool done = false;
     for (int steps = step_budget(grid); steps > 0; --steps) {
         count_cell();
-        NOTE_CELL(kNoId, walk.cell);
-        uint cell = fetch_top_cell(grid, walk.cell);
+        ivec3 place = cell_of(grid, walk);
+        NOTE_CELL(kNoId, place);
+        uint cell = top_cell_word(cell_index(walk));
         bool is_list_done = is_empty_cell(cell);
         if (!is_list_done) {
-            Span span = span_in_cell(grid, course, walk.cell);
+            Span span = span_in_cell(grid, course, place);
+            float enter = course.start + float(double(span.enter) * t_of_length);
+            float leave = course.start + float(double(span.leave) * t_of_length);
             // The two levels start their t at different places: give the difference its rounding.
             const float kRounding = 9.5367431640625e-7;  // 2^-20: eight ulps
-            float slack = kRounding * abs(course.start);
+            float slack = kRounding * greater(abs(course.start), abs(leave));
             const int kMostReferences = 1 << 30;
             int at = first_reference(cell);
             for (int left = kMostReferences; left > 0; --left) {
                 uint reference = fetch_instance_reference(at);
                 ++at;
-                walk_instance(referenced(reference), ray, course.start + span.enter - slack,
-                              course.start + span.leave + slack, nearest);
+                walk_instance(referenced(reference), ray, enter - slack, leave + slack, nearest);
                 is_list_done = is_last_reference(reference);
                 if (is_list_done) break;
             }
         }
         if (!is_list_done) break;  // as above
-        ivec3 last = last_cell(walk, empty_cube(cell, octant));
-        vec3 t_exit = exit_t(walk, last);
-        float bound = bracket_of(nearest.t, course.start).to;
-        done = !(smallest(t_exit) < lesser(course.leave, bound)) ||
-               !next_cell(grid, last, t_exit, walk);
+        vec3 behind = left_behind(walk, vec3(empty_cube(cell, octant)));
+        vec3 t_exit = exit_t(walk, behind);
+        float t = smallest(t_exit);
+        done = t >= lesser(end, bracket_of(t_along(course, nearest.t)).to);
         if (done) break;
+        next_cell(t, t_exit, behind, walk);
     }
     if (!done) ray_flags |= kFlagExhausted;
 }

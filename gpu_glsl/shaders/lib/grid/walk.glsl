@@ -11,6 +11,7 @@
 // core/grid/sizing.h stops at 1,024. So the cell where the walk is at any t names every triangle
 // that the ray meets there, and between two such places it was in the cube.
 #pragma once
+#include "lib/local_ray.glsl"
 #include "lib/triangle/rule_out.glsl"
 
 // A part of the ray, in t.
@@ -19,35 +20,38 @@ struct Span {
     float leave;
 };
 
-// The ray as a walk sees it: from where it enters the grid.
+// The part of a ray that a walk may see: it begins where the ray enters the grid, and its t is a
+// length in the grid's frame, counted from there.
 struct Course {
-    LocalRay ray;  // its origin at the start
-    vec3 dir;      // of the ray, no component 0
-    float start;   // t of the whole ray at the start
-    float leave;   // where it leaves the grid or ends, from the start on
+    vec3 org;
+    vec3 dir;            // its largest component 1/2 to 1, none 0
+    float start;         // t of the whole ray at the origin
+    double length_of_t;  // the course's t that go into one of the ray's
+    float leave;         // where the ray ends, or a little behind the grid; negative: it misses the grid
 };
 
-// The walk through the cells. On each axis the ray leaves cell k at t_exit + k t_edge, from the start
-// of the course on.
-struct Walk {
-    ivec3 cell;
-    ivec3 step;        // -1 or 1 on each axis
-    vec3 t_exit;
-    vec3 t_edge;
-    vec3 cells_per_t;  // 1 / t_edge
-};
-
-// A component of 0 would divide to infinity, and 0 * infinity is no number. One that is 2^-66 of
-// the largest moves the ray by nothing within the grid; nor does the least normal number, 2^-126, if
-// the largest is at least 2^-100.
-float guarded(float d, float largest_component) {
-    float least = greater(1.3552527156068805e-20 * largest_component, 1.1754943508222875e-38);
-    return abs(d) < least ? (d < 0.0 ? -least : least) : d;
+// The ray's t as one of the course.
+float t_along(Course course, double t) {
+    return float((t - double(course.start)) * course.length_of_t);
 }
 
-vec3 guarded(vec3 dir) {
-    float size = largest(abs(dir));
-    return vec3(guarded(dir.x, size), guarded(dir.y, size), guarded(dir.z, size));
+// The walk through the cells. On each axis they are counted by how many are left, this one included, to
+// where the ray leaves the grid: the ray leaves the cell with `left` to go at t_leave - (left - 1)
+// t_edge, from the start of the course on.
+struct Walk {
+    vec3 left;         // at least 1; biased (lib/bits.glsl)
+    vec3 t_leave;
+    vec3 t_edge;
+    vec3 cells_per_t;  // 1 / t_edge
+    ivec3 stride;      // of the cells' indices, from one with `left` to go to the one before it
+    int origin;        // the index of the cell for which the bits of `left` are 0
+};
+
+// A component of 0 would divide to infinity, and 0 * infinity is no number. One of 2^-66 moves the
+// ray by nothing within the grid.
+float guarded(float d) {
+    const float kLeast = 1.3552527156068805e-20;
+    return abs(d) < kLeast ? (d < 0.0 ? -kLeast : kLeast) : d;
 }
 
 // Where the ray is in the box; enter > leave where it misses. The rounding of t is
@@ -61,80 +65,103 @@ Span span_in_box(vec3 org, vec3 inverse, vec3 lower, vec3 upper) {
     return Span(enter - kRounding * abs(enter), leave + kRounding * abs(leave));
 }
 
-// Moves the ray's origin to where the part [t_first, t_last] enters the grid. leave < 0 if it does
-// not.
+// Moves the ray's origin to where the part [t_first, t_last] enters the grid.
 Course course_in(Grid grid, LocalRay ray, float t_first, float t_last) {
     Course course;
-    course.dir = guarded(vec3(ray.dir));
+    course.length_of_t = length_scale(ray);
+    double t_of_length = double(1.0) / course.length_of_t;
+    vec3 dir = vec3(ray.dir * t_of_length);
+    course.dir = vec3(guarded(dir.x), guarded(dir.y), guarded(dir.z));
     Span span = span_in_box(vec3(ray.org), 1.0 / course.dir, grid.lower, grid.upper);
-    course.start = greater(t_first, span.enter);
-    course.ray = moved(ray, course.start);
-    course.leave = lesser(t_last, span.leave) - course.start;
+    course.start = greater(t_first, float(double(span.enter) * t_of_length));
+    course.org = vec3(moved(ray, course.start).org);
+    course.leave = lesser(t_along(course, double(t_last)),
+                          span.leave - float(double(course.start) * course.length_of_t));
     return course;
 }
 
-// A cell's number is that of its lower plane: a ray that goes up leaves cell k at plane k + 1.
-int plane_ahead(int step) { return step > 0 ? 1 : 0; }
-
-// The cell on one axis at t, within [first, last].
-int cell_at(float t, float t_exit, float cells_per_t, int step, int first, int last) {
-    int cell = int(floor((t - t_exit) * cells_per_t)) + plane_ahead(step);
-    return clamp(cell, first, last);
+// How many cells are left at t, biased. A place on a plane is beyond it, but at the last.
+float left_at(float t, float t_leave, float cells_per_t) {
+    PRECISE float left = ((t_leave - t) * cells_per_t + (0.5 + half_ulp())) + bias();
+    return left;
 }
 
 // Begins at t of the course.
 Walk begin_walk(Grid grid, Course course, float t) {
     Walk walk;
     vec3 inverse = 1.0 / course.dir;
-    walk.step = ivec3(course.dir.x < 0.0 ? -1 : 1, course.dir.y < 0.0 ? -1 : 1,
-                      course.dir.z < 0.0 ? -1 : 1);
-    vec3 ahead = vec3(float(plane_ahead(walk.step.x)), float(plane_ahead(walk.step.y)),
-                      float(plane_ahead(walk.step.z)));
-    walk.t_exit = ((grid.lower - vec3(course.ray.org)) + ahead * grid.cell) * inverse;
-    walk.t_edge = grid.cell * inverse;
-    walk.cells_per_t = grid.cells_per_unit * course.dir;
-    walk.cell = ivec3(
-        cell_at(t, walk.t_exit.x, walk.cells_per_t.x, walk.step.x, 0, grid.dims.x - 1),
-        cell_at(t, walk.t_exit.y, walk.cells_per_t.y, walk.step.y, 0, grid.dims.y - 1),
-        cell_at(t, walk.t_exit.z, walk.cells_per_t.z, walk.step.z, 0, grid.dims.z - 1));
+    vec3 far = vec3(course.dir.x < 0.0 ? grid.lower.x : grid.upper.x,
+                    course.dir.y < 0.0 ? grid.lower.y : grid.upper.y,
+                    course.dir.z < 0.0 ? grid.lower.z : grid.upper.z);
+    walk.t_leave = (far - course.org) * inverse;
+    walk.t_edge = grid.cell * abs(inverse);
+    walk.cells_per_t = grid.cells_per_unit * abs(course.dir);
+    vec3 left = vec3(left_at(t, walk.t_leave.x, walk.cells_per_t.x),
+                     left_at(t, walk.t_leave.y, walk.cells_per_t.y),
+                     left_at(t, walk.t_leave.z, walk.cells_per_t.z));
+    vec3 most = vec3(biased(uint(grid.dims.x)), biased(uint(grid.dims.y)),
+                     biased(uint(grid.dims.z)));
+    walk.left = clamp(left, vec3(biased(1u)), most);
+
+    // A ray that goes up an axis has left = dims - cell, one that goes down left = cell + 1.
+    ivec3 stride = ivec3(1, grid.dims.x, grid.dims.x * grid.dims.y);
+    ivec3 up = ivec3(course.dir.x < 0.0 ? 0 : 1, course.dir.y < 0.0 ? 0 : 1,
+                     course.dir.z < 0.0 ? 0 : 1);
+    walk.stride = stride * (1 - 2 * up);
+    ivec3 none_left = up * (grid.dims + 1) - 1;
+    walk.origin = grid.first_cell + none_left.x * stride.x + none_left.y * stride.y +
+                  none_left.z * stride.z -
+                  kBitsOfBias * (walk.stride.x + walk.stride.y + walk.stride.z);
     return walk;
+}
+
+// The index of the walk's cell.
+int cell_index(Walk walk) {
+    return walk.origin + biased_bits(walk.left.x) * walk.stride.x +
+           biased_bits(walk.left.y) * walk.stride.y + biased_bits(walk.left.z) * walk.stride.z;
 }
 
 // 3 times the octant of the ray's direction: 1 for greater x, plus 2 for greater y, plus 4 for
 // greater z.
 uint octant_shift(Walk walk) {
-    return (walk.step.x > 0 ? 3u : 0u) + (walk.step.y > 0 ? 6u : 0u) + (walk.step.z > 0 ? 12u : 0u);
+    return (walk.stride.x < 0 ? 3u : 0u) + (walk.stride.y < 0 ? 6u : 0u) +
+           (walk.stride.z < 0 ? 12u : 0u);
 }
 
-// The far corner of the cube of that edge that begins at the walk's cell.
-ivec3 last_cell(Walk walk, int edge) { return walk.cell + walk.step * (edge - 1); }
-
-// t on each axis where the ray leaves a cell.
-vec3 exit_t(Walk walk, ivec3 cell) { return walk.t_exit + vec3(cell) * walk.t_edge; }
-
-// The cell on an axis that is not crossed when the ray leaves a cube. It does not go back: else two
-// axes could undo each other's steps by their rounding.
-int cell_beside(float t, float t_exit, float cells_per_t, int step, int cell, int last) {
-    return cell_at(t, t_exit, cells_per_t, step, min(cell, last), max(cell, last));
+// How many cells are left, not biased, behind the box of cells that begins with the walk's and has
+// these edges, biased.
+vec3 left_behind(Walk walk, vec3 edges) {
+    PRECISE vec3 behind = walk.left - edges;
+    return behind;
 }
 
-// Leaves the cube of cells that ends at `last`, whose planes are at `t_exit`, by the nearest of them.
-// False if that leads out of the grid.
-bool next_cell(Grid grid, ivec3 last, vec3 t_exit, INOUT(Walk) walk) {
-    float t = smallest(t_exit);
-    ivec3 next = last + walk.step;
-    if (t_exit.x > t) {
-        next.x = cell_beside(t, walk.t_exit.x, walk.cells_per_t.x, walk.step.x, walk.cell.x, last.x);
-    }
-    if (t_exit.y > t) {
-        next.y = cell_beside(t, walk.t_exit.y, walk.cells_per_t.y, walk.step.y, walk.cell.y, last.y);
-    }
-    if (t_exit.z > t) {
-        next.z = cell_beside(t, walk.t_exit.z, walk.cells_per_t.z, walk.step.z, walk.cell.z, last.z);
-    }
-    walk.cell = next;
-    return next.x >= 0 && next.x < grid.dims.x && next.y >= 0 && next.y < grid.dims.y &&
-           next.z >= 0 && next.z < grid.dims.z;
+// t on each axis where the ray comes to have that many cells left.
+vec3 exit_t(Walk walk, vec3 behind) { return walk.t_leave - behind * walk.t_edge; }
+
+// The cells left on an axis at t, where the ray leaves a box: those behind the box if it leaves it on
+// this axis, else no more than before: two axes could undo each other's steps by their rounding.
+float left_beside(float t, float t_exit, float behind, float left, float t_leave,
+                  float cells_per_t) {
+    return t_exit <= t ? behind + bias() : min(left, left_at(t, t_leave, cells_per_t));
+}
+
+// Leaves a box of cells at t, the smallest of t_exit, which is before the ray leaves the grid.
+void next_cell(float t, vec3 t_exit, vec3 behind, INOUT(Walk) walk) {
+    walk.left = vec3(left_beside(t, t_exit.x, behind.x, walk.left.x, walk.t_leave.x,
+                                 walk.cells_per_t.x),
+                     left_beside(t, t_exit.y, behind.y, walk.left.y, walk.t_leave.y,
+                                 walk.cells_per_t.y),
+                     left_beside(t, t_exit.z, behind.z, walk.left.z, walk.t_leave.z,
+                                 walk.cells_per_t.z));
+}
+
+// The walk's cell, counted from the grid's lower corner.
+ivec3 cell_of(Grid grid, Walk walk) {
+    ivec3 left = ivec3(biased_bits(walk.left.x), biased_bits(walk.left.y),
+                       biased_bits(walk.left.z)) - kBitsOfBias;
+    return ivec3(walk.stride.x < 0 ? grid.dims.x - left.x : left.x - 1,
+                 walk.stride.y < 0 ? grid.dims.y - left.y : left.y - 1,
+                 walk.stride.z < 0 ? grid.dims.z - left.z : left.z - 1);
 }
 
 int step_budget(Grid grid) { return grid.dims.x + grid.dims.y + grid.dims.z; }

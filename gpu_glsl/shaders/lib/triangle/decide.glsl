@@ -1,12 +1,18 @@
 // One triangle's hit in doubles: what decides where rounding leaves open whether, or in which
 // order, surfaces are hit.
 //
-// The same test as in lib/triangle/rule_out.glsl. A corner's place across the ray depends on the ray
+// The test of Woop, Benthin & Wald (2013), seen along the ray. A corner's place across the ray depends on the ray
 // and the corner alone, so all triangles that share it see it at the same place: the mesh is seen
 // moved by some 2^-52, but whole. What these digits cannot tell from an edge counts as on the edge,
 // for both triangles that have it: no ray slips between them, at corners neither.
 #pragma once
-#include "lib/triangle/rule_out.glsl"
+#include "lib/local_ray.glsl"
+
+struct Triangle {
+    vec3 v0;
+    vec3 v1;
+    vec3 v2;
+};
 
 struct SharpHit {
     bool is_hit;  // false as well for a ray in the triangle's plane
@@ -21,6 +27,11 @@ struct SharpCorner {
     double x_of;
     double y_of;
 };
+
+int largest_axis(dvec3 v) {
+    dvec3 size = abs(v);
+    return size.x >= size.y && size.x >= size.z ? 0 : (size.y >= size.z ? 1 : 2);
+}
 
 // v without its axis `axis`, then that axis.
 dvec3 turned(dvec3 v, int axis) {
@@ -59,10 +70,11 @@ bool may_span(double a, double a_of, double b, double b_of, double c, double c_o
 }
 
 SharpHit sharp_hit(LocalRay ray, Triangle triangle) {
-    int axis = largest_axis(vec3(ray.dir));
+    int axis = largest_axis(ray.dir);
     dvec3 dir = turned(ray.dir, axis);
-    double slope_x = dir.x / dir.z;
-    double slope_y = dir.y / dir.z;
+    double inverse_z = inverse_of(dir.z);
+    double slope_x = dir.x * inverse_z;
+    double slope_y = dir.y * inverse_z;
     SharpCorner a = sharp_corner(ray.org, slope_x, slope_y, axis, triangle.v0);
     SharpCorner b = sharp_corner(ray.org, slope_x, slope_y, axis, triangle.v1);
     SharpCorner c = sharp_corner(ray.org, slope_x, slope_y, axis, triangle.v2);
@@ -77,6 +89,7 @@ SharpHit sharp_hit(LocalRay ray, Triangle triangle) {
     if (is_outside || is_beside || area == 0.0) return SharpHit(false, double(infinity()), 0.0, 0.0);
 
     PRECISE double z = w0 * a.at.z + w1 * b.at.z + w2 * c.at.z;
-    PRECISE double t = z / (area * dir.z);
-    return SharpHit(true, t, float(w1 / area), float(w2 / area));
+    double inverse_area = inverse_of(area);
+    PRECISE double t = (z * inverse_area) * inverse_z;
+    return SharpHit(true, t, float(w1 * inverse_area), float(w2 * inverse_area));
 }

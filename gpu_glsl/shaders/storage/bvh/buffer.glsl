@@ -6,12 +6,14 @@
 #pragma once
 #include "lib/dialect.glsl"
 #include "lib/ray.glsl"
+#include "lib/triangle/decide.glsl"
 #include "lib/triangle/rule_out.glsl"
 #include "shared/bvh_layout.h"
 
 // The objects' trees: fixed once they are built.
 UBUFFER(bvh_nodes)
-BUFFER(bvh_vertices)      // in the leaves' order, so that a leaf's triangles lie together
+BUFFER(bvh_planes)        // in the leaves' order, so that a leaf's triangles lie together
+BUFFER(bvh_vertices)      // likewise
 UBUFFER(bvh_primitives)   // the triangle in each slot
 UBUFFER(bvh_roots)        // of each instance's object: a node
 
@@ -56,6 +58,12 @@ Node fetch_top_node(uint index) {
     int at = int(index) * kBvhNodeTexels;
     return node_of(FETCHBUFFER(bvh_top_nodes, at), FETCHBUFFER(bvh_top_nodes, at + 1),
                    FETCHBUFFER(bvh_top_nodes, at + 2), FETCHBUFFER(bvh_top_nodes, at + 3));
+}
+
+Planes fetch_planes(int slot) {
+    int at = slot * kBvhPlanesTexels;
+    return Planes(FETCHBUFFER(bvh_planes, at), FETCHBUFFER(bvh_planes, at + 1),
+                  FETCHBUFFER(bvh_planes, at + 2));
 }
 
 Triangle fetch_triangle(int slot) {

@@ -4,10 +4,12 @@
 
 UBUFFER(cells)
 UBUFFER(references)
+BUFFER(planes)
 BUFFER(triangles)
 
 uint cell_word(int index) { return FETCHBUFFER(cells, index).x; }
 uint reference_word(int index) { return FETCHBUFFER(references, index).x; }
+vec4 planes_texel(int index) { return FETCHBUFFER(planes, index); }
 vec4 triangle_texel(int index) { return FETCHBUFFER(triangles, index); }
 
 #include "storage/two_level_grid/grid_buffers.glsl"

@@ -2,7 +2,7 @@
 // ssbo.glsl have in common. They fetch the three tables that a walk reads at every step:
 //
 //   uint cell_word(int index), reference_word(int index)
-//   vec4 triangle_texel(int index)
+//   vec4 planes_texel(int index), triangle_texel(int index)
 //
 // All that belongs to a grid is stored in the grid's frame, so that an object far from the origin,
 // or of any size, is as precise as one of size 1 around it. The frame's origin is at a corner of
@@ -12,6 +12,7 @@
 #pragma once
 #include "lib/dialect.glsl"
 #include "lib/ray.glsl"
+#include "lib/triangle/decide.glsl"
 #include "lib/triangle/rule_out.glsl"
 #include "shared/grid_buffers_layout.h"
 
@@ -57,24 +58,17 @@ Grid fetch_top_grid() {
 
 // ---- Cells and lists: a word each --------------------------------------------------------------
 
-int cell_index(Grid grid, ivec3 cell) {
-    return grid.first_cell + cell.x + grid.dims.x * (cell.y + grid.dims.y * cell.z);
-}
-
-uint fetch_cell(Grid grid, ivec3 cell) { return cell_word(cell_index(grid, cell)); }
-uint fetch_top_cell(Grid grid, ivec3 cell) {
-    return FETCHBUFFER(top_cells, cell_index(grid, cell)).x;
-}
+uint top_cell_word(int index) { return FETCHBUFFER(top_cells, index).x; }
 
 bool is_empty_cell(uint cell) { return (cell & kEmptyCell) != 0u; }
 
-// The edge of the cube of empty cells that lies ahead of a ray, in cells: 1 for a full cell.
-// `octant_shift`: 3 times the octant of its direction.
-int empty_cube(uint cell, uint octant_shift) {
+// The edge of the cube of empty cells that lies ahead of a ray, in cells, biased (lib/bits.glsl): 1
+// for a full cell. `octant_shift`: 3 times the octant of its direction.
+float empty_cube(uint cell, uint octant_shift) {
     uint code = (cell >> octant_shift) & 7u;
     uint edges = code < 4u ? kEmptyCubeEdges0 : kEmptyCubeEdges4;
-    int edge = int((edges >> (8u * (code & 3u))) & 255u);
-    return is_empty_cell(cell) ? edge : 1;
+    uint edge = (edges >> (8u * (code & 3u))) & 255u;
+    return biased(is_empty_cell(cell) ? edge : 1u);
 }
 
 int first_reference(uint cell) { return int(cell); }
@@ -93,6 +87,11 @@ bool is_last_reference(uint reference) { return (reference & kMoreReferences) ==
 uint referenced(uint reference) { return reference & ~kMoreReferences; }
 
 // ---- Triangles and instances -------------------------------------------------------------------
+
+Planes fetch_planes(Grid grid, uint prim_id) {
+    int at = (grid.first_triangle + int(prim_id)) * kPlanesTexels;
+    return Planes(planes_texel(at), planes_texel(at + 1), planes_texel(at + 2));
+}
 
 Triangle fetch_triangle(Grid grid, uint prim_id) {
     int at = (grid.first_triangle + int(prim_id)) * kTriangleVertexTexels;

@@ -5,10 +5,12 @@
 
 STORAGE(cells_block, uint, cells)
 STORAGE(references_block, uint, references)
+STORAGE(planes_block, vec4, planes)
 STORAGE(triangles_block, vec4, triangles)
 
 uint cell_word(int index) { return FETCHSTORAGE(cells, index); }
 uint reference_word(int index) { return FETCHSTORAGE(references, index); }
+vec4 planes_texel(int index) { return FETCHSTORAGE(planes, index); }
 vec4 triangle_texel(int index) { return FETCHSTORAGE(triangles, index); }
 
 #include "storage/two_level_grid/grid_buffers.glsl"

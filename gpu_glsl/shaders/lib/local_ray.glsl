@@ -1,0 +1,47 @@
+// Rays in the frame of what they are traced through, in doubles.
+#pragma once
+#include "lib/bits.glsl"
+#include "lib/math.glsl"
+#include "lib/ray.glsl"
+
+// t means the same in all frames.
+struct LocalRay {
+    dvec3 org;
+    dvec3 dir;
+};
+
+// The ray from t = start on.
+LocalRay moved(LocalRay ray, float start) {
+    PRECISE dvec3 org = ray.org + ray.dir * double(start);
+    return LocalRay(org, ray.dir);
+}
+
+// For decisions a ray from afar is moved to t = start, where it enters what it is traced through:
+// doubles hold some 2^-53 of its way, and what moving loses is lost for all triangles alike. One
+// from close by is taken as it is, and `start` becomes 0.
+LocalRay moved_from_afar(LocalRay ray, INOUT(float) start) {
+    const float kNear = 16.0;  // in sizes of the object
+    if (largest(abs(vec3(ray.org))) <= kNear) start = 0.0;
+    return moved(ray, start);
+}
+
+double sharp_dot(dvec3 a, dvec3 b) {
+    PRECISE double d = a.x * b.x + a.y * b.y + a.z * b.z;
+    return d;
+}
+
+// 1 / x to 2^-51 of it, without the division of doubles, for which GPUs have no unit: two of
+// Newton's steps from the float's. x: what a float can hold.
+double inverse_of(double x) {
+    double about = double(1.0 / float(x));
+    about = about * (double(2.0) - x * about);
+    return about * (double(2.0) - x * about);
+}
+
+// The power of two by which the ray's direction is longer than one whose largest component is 1/2
+// to 1.
+double length_scale(LocalRay ray) {
+    dvec3 size = abs(ray.dir);
+    double largest_size = size.x > size.y ? size.x : size.y;
+    return power_of_two_above(largest_size > size.z ? largest_size : size.z);
+}
