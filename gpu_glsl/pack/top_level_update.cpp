@@ -19,7 +19,7 @@ namespace {
 /// Instances at their new places.
 struct MovedInstances {
     std::vector<Bounds> boxes;  ///< in the world
-    std::vector<Affine> object_from_world;
+    RawVector<Affine> object_from_world;
 };
 
 /// What validate() asks of an instance's transform and box. Throws: Error naming the instance.

@@ -156,18 +156,18 @@ TextureData pack_grid_numbers(const std::vector<UniformGrid>& grids,
 
 TextureData pack_instance_rows(const Scene& scene, std::span<const Affine> world_from_object,
                                std::span<const GridFrame> frames, const TextureLimits& limits) {
-    TextureData rows = make_float_buffer("instance_rows", "instances",
-                                         world_from_object.size() * kInstanceRowTexels, limits);
+    constexpr size_t kFloats = 4 * kInstanceRowTexels;
+    RawVector<float> rows(kFloats * world_from_object.size());
     constexpr size_t kInstancesATask = 512;
     tbb::parallel_for(tbb::blocked_range<size_t>(0, world_from_object.size(), kInstancesATask),
                       [&](const auto& range) {
                           for (size_t i = range.begin(); i != range.end(); ++i) {
-                              put_instance_rows(&rows.texels[4 * kInstanceRowTexels * i],
-                                                world_from_object[i],
+                              put_instance_rows(&rows[kFloats * i], world_from_object[i],
                                                 frames[scene.instances[i].object]);
                           }
                       });
-    return rows;
+    return float_buffer_of("instance_rows", "instances", std::move(rows), limits,
+                           BufferKind::texture);
 }
 
 TextureData pack_instance_grids(const Scene& scene, const TextureLimits& limits) {
