@@ -35,6 +35,7 @@ constexpr bool same_empty_cube_edges() {
 static_assert(same_empty_cube_edges());
 
 static_assert(kEmptyCell == kEmptyCellBit);
+static_assert(kListPadsACell * kBinningPad == 1.0);
 
 /// Turns the references of a grid into words (shared/grid_buffers_layout.h).
 void references_to_words(UniformGrid& grid) {

@@ -17,6 +17,10 @@ const uint kEmptyCell = 0x80000000u;
 const uint kEmptyCubeEdges0 = 0x05030201u;  // edges of codes 0 to 3, a byte each ...
 const uint kEmptyCubeEdges4 = 0x22150D08u;  // ... and 4 to 7
 
+// Lists hold what is within a pad of their cell; so many pads make a cell's edge
+// (core/grid/uniform_grid.h: kBinningPad).
+const int kListPadsACell = 512;
+
 // A word a reference: this bit says that the list goes on. (So a word of 0 ends it: that is what lanes
 // that are switched off read from storage blocks on a software renderer, while they run loops.)
 const uint kMoreReferences = 0x80000000u;

@@ -165,7 +165,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
 // The part of the ray within a cell of the top level that is widened as its lists are: what an
 // instance of this cell must be walked through for.
 Span span_in_cell(Grid grid, Course course, ivec3 cell) {
-    const float kPad = 0.001;  // kBinningPad of core/grid/uniform_grid.h
+    const float kPad = 1.0 / float(kListPadsACell);
     vec3 lower = grid.lower + (vec3(cell) - kPad) * grid.cell;
     vec3 upper = grid.lower + (vec3(cell) + (1.0 + kPad)) * grid.cell;
     return span_in_box(vec3(course.ray.org), 1.0 / course.dir, lower, upper);

@@ -6,8 +6,8 @@
 //
 // Why no cell is lost. A grid is built with each triangle in all cells within kBinningPad of a cell
 // (core/grid/uniform_grid.h). The walk starts where the ray enters the grid, so that at any
-// computed t its position on each axis is known to 10 * 2^-24 of the grid's size there
-// (gpu_glsl/README.md adds it up): less than that pad up to 1,600 cells on an axis;
+// computed t its position on each axis is known to 20 * 2^-24 of the grid's size there
+// (gpu_glsl/README.md adds it up): less than that pad up to 1,638 cells on an axis;
 // core/grid/sizing.h stops at 1,024. So the cell where the walk is at any t names every triangle
 // that the ray meets there, and between two such places it was in the cube.
 #pragma once
