@@ -37,22 +37,27 @@ bool is_invertible(const Affine& m) {
         }
     }
     constexpr double kLeastRelativeVolume = 1e-12;
-    const double box_volume =
-        glm::length(dvec3(m[0])) * glm::length(dvec3(m[1])) * glm::length(dvec3(m[2]));
-    return std::abs(determinant(m)) > kLeastRelativeVolume * box_volume;
+    // Squares of volumes: the columns' lengths need no roots. Floats' sixth powers fit a double.
+    const auto squared = [](const dvec3& v) { return glm::dot(v, v); };
+    const double volume = determinant(m) / kLeastRelativeVolume;
+    return volume * volume > squared(dvec3(m[0])) * squared(dvec3(m[1])) * squared(dvec3(m[2]));
 }
 
 Bounds transform_bounds(const Affine& m, const Bounds& b) {
+    // The least sum has the least terms: rounded sums grow with their terms, too. Terms are added
+    // as transform_point() adds them, so these are the extremes of the eight transformed corners.
+    // Source: Arvo 1990.
     const DAffine dm(m);
-    dvec3 lower(std::numeric_limits<double>::infinity());
-    dvec3 upper(-std::numeric_limits<double>::infinity());
-    for (int corner = 0; corner < 8; ++corner) {
-        const dvec3 p(corner & 1 ? b.upper.x : b.lower.x, corner & 2 ? b.upper.y : b.lower.y,
-                      corner & 4 ? b.upper.z : b.lower.z);
-        const dvec3 q = transform_point(dm, p);
-        lower = glm::min(lower, q);
-        upper = glm::max(upper, q);
+    dvec3 lower(0.0);
+    dvec3 upper(0.0);
+    for (int axis = 0; axis < 3; ++axis) {
+        const dvec3 at_lower = dm[axis] * double{b.lower[axis]};
+        const dvec3 at_upper = dm[axis] * double{b.upper[axis]};
+        lower += glm::min(at_lower, at_upper);
+        upper += glm::max(at_lower, at_upper);
     }
+    lower += dm[3];
+    upper += dm[3];
     // Rounding to float errs by half an ulp of the coordinate, the double sums by far less.
     Bounds result{vec3(lower), vec3(upper)};
     const float ulp = result.magnitude() * std::numeric_limits<float>::epsilon();

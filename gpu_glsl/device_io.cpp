@@ -16,13 +16,14 @@ Hit make_hit(const float* t_u_v, const uint32_t* ids) {
 RayCounters make_counters(const uint32_t* c) { return {c[0], c[1], c[2], c[3]}; }
 
 gl::Texture upload_buffer(const TextureData& buffer) {
+    const gl::BufferUse use = buffer.is_block ? gl::BufferUse::block : gl::BufferUse::texture;
     if (buffer.format == ChannelFormat::single) {
-        return gl::texture_buffer(buffer.name, gl::TexelFormat::rgba32f, buffer.texels);
+        return gl::texture_buffer(buffer.name, gl::TexelFormat::rgba32f, buffer.texels, use);
     }
     const gl::TexelFormat format = buffer.channels == 1   ? gl::TexelFormat::r32ui
                                    : buffer.channels == 2 ? gl::TexelFormat::rg32ui
                                                           : gl::TexelFormat::rgba32ui;
-    return gl::texture_buffer(buffer.name, format, buffer.words);
+    return gl::texture_buffer(buffer.name, format, buffer.words, use);
 }
 
 }  // namespace

@@ -35,7 +35,8 @@ TracerInfo tracer_info(const gl::StrategyInfo& info, const std::string& storage,
 TextureLimits limits_of(const gl::GlContext& context) {
     return {.max_2d = static_cast<uint32_t>(context.limits().max_texture_size),
             .max_3d = static_cast<uint32_t>(context.limits().max_3d_texture_size),
-            .max_buffer = static_cast<uint64_t>(context.limits().max_texture_buffer_size)};
+            .max_buffer = static_cast<uint64_t>(context.limits().max_texture_buffer_size),
+            .max_block = static_cast<uint64_t>(context.limits().max_ssbo_bytes)};
 }
 
 /// The units of a strategy in one storage. Throws: Error if the front matter and the build differ.

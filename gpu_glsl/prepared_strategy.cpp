@@ -207,22 +207,31 @@ std::vector<ParamInfo> two_level_buffer_params() {
     return params;
 }
 
-void pack_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
+void pack_grid_as(PreparedStrategy& prepared, const TextureLimits& limits, BufferKind kind) {
     const TwoLevelSizing sizing = two_level_sizing(prepared.params);
     const uint64_t built_before = triangle_grids_built();
-    const TwoLevelGrid grid = build_two_level_grid(*prepared.scene, sizing);
+    TwoLevelGrid grid = build_two_level_grid(*prepared.scene, sizing);
+    const double build_ms = grid.build_ms;
     const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
     const auto start = std::chrono::steady_clock::now();
-    TwoLevelBuffers packed = pack_two_level_buffers(*prepared.scene, grid, limits);
-    prepared.stats = {{"build_ms", grid.build_ms, "both levels, all threads"},
+    TwoLevelBuffers packed = pack_two_level_buffers(*prepared.scene, std::move(grid), limits, kind);
+    prepared.stats = {{"build_ms", build_ms, "both levels, all threads"},
                       {"pack_ms", ms_since(start), ""},
                       {"object_builds", object_builds, "object grids built so far"},
                       {"top_builds", 1.0, "top-level grids built so far"}};
     if (!prepared.scene->animation.empty()) {
-        prepared.moving.emplace<MovingTopBuffers>(prepared.scene, grid, sizing.top, packed, limits);
+        prepared.moving.emplace<MovingTopBuffers>(prepared.scene, sizing.top, packed, limits);
     }
     add_packed(prepared, packed);
     prepared.param_constants.push_back({"one_instance", prepared.scene->instances.size() == 1});
+}
+
+void pack_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_grid_as(prepared, limits, BufferKind::texture);
+}
+
+void pack_in_blocks(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_grid_as(prepared, limits, BufferKind::block);
 }
 
 // ---- Bounding volume hierarchies in buffers ----------------------------------------------------
@@ -273,7 +282,7 @@ constexpr Packing kPackings[] = {
     {"two_level_grid", "texture2d_copies", two_level_params, pack_two_level_copies},
     {"two_level_grid", "texture2d_virtual", two_level_params, pack_two_level_virtual},
     {"two_level_grid", "buffer", two_level_buffer_params, pack_in_buffers},
-    {"two_level_grid", "ssbo", two_level_buffer_params, pack_in_buffers},
+    {"two_level_grid", "ssbo", two_level_buffer_params, pack_in_blocks},
     {"bvh", "buffer", bvh_params, pack_bvh},
 };
 

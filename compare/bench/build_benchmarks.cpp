@@ -28,7 +28,8 @@ TwoLevelSizing sizing_of(double density) { return {.object = {.density = density
 TwoLevelBuffers build_and_pack_buffers(const Scene& scene, double density) {
     // No device is asked: nothing is uploaded.
     constexpr TextureLimits kNoLimit{.max_buffer = uint64_t{1} << 40};
-    return pack_two_level_buffers(scene, build_two_level_grid(scene, sizing_of(density)), kNoLimit);
+    return pack_two_level_buffers(scene, build_two_level_grid(scene, sizing_of(density)), kNoLimit,
+                                  BufferKind::texture);
 }
 
 void grid_build(benchmark::State& state, const Scene& scene, double density) {

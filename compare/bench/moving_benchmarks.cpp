@@ -55,9 +55,11 @@ void top_level_rebuild(benchmark::State& state, uint32_t instances) {
 void top_level_rebuild_buffers(benchmark::State& state, uint32_t instances) {
     const Swarm swarm = moving_swarm(instances);
     const TwoLevelSizing sizing;
-    const TwoLevelGrid grid = build_two_level_grid(*swarm.scene, sizing);
-    const MovingTopBuffers moving(swarm.scene, grid, sizing.top,
-                                  pack_two_level_buffers(*swarm.scene, grid, {}), {});
+    const MovingTopBuffers moving(
+        swarm.scene, sizing.top,
+        pack_two_level_buffers(*swarm.scene, build_two_level_grid(*swarm.scene, sizing), {},
+                               BufferKind::texture),
+        {});
     EmbreeRecommit embree(*swarm.scene);
     run_by_turns(
         state,

@@ -1,147 +1,177 @@
-// The edge of the largest empty cube at a corner is one more than the least of its seven
-// neighbours' that lie in the cube's direction: so a pass over the grid against that direction
-// finds them all.
+// Empty boxes by doubling: a box is empty if eight smaller ones that cover it are. A box is the
+// same for all octants, seen from another corner, so that each edge takes one pass over bits.
 #include "core/grid/empty_space.h"
 
 #include <algorithm>
 #include <cstddef>
-#include <utility>
-#include <vector>
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 namespace onepass {
 namespace {
 
-constexpr uint8_t kGreatest = kEmptyCubeEdges.back();
+constexpr uint32_t kWordBits = 64;
+constexpr size_t kEdges = kEmptyCubeEdges.size();
+constexpr uint32_t kGreatest = kEmptyCubeEdges.back();
+static_assert(kGreatest <= kWordBits, "a row ends with one word for all that lies beyond it");
 
-/// Adds the codes of a row's edges to the row's words: how many of the edges to choose from, but
-/// for the first, are no larger.
-void add_codes(uint32_t* __restrict codes, const uint8_t* __restrict edges, size_t count,
-               uint32_t shift, uint8_t* __restrict scratch) {
-    for (size_t x = 0; x < count; ++x) {
-        uint8_t code = 0;
-        for (size_t k = 1; k < kEmptyCubeEdges.size(); ++k) code += edges[x] >= kEmptyCubeEdges[k];
-        scratch[x] = code;
+constexpr bool each_is_at_most_twice_the_last() {
+    for (size_t k = 1; k < kEdges; ++k) {
+        if (kEmptyCubeEdges[k] > 2 * kEmptyCubeEdges[k - 1]) return false;
     }
-    for (size_t x = 0; x < count; ++x) codes[x] |= uint32_t{scratch[x]} << shift;
+    return true;
+}
+static_assert(each_is_at_most_twice_the_last());
+
+/// Calls row(y, z) for all of rows.x times rows.y rows, on all threads.
+template <class Row>
+void for_each_row_of(const uvec2& rows, const Row& row) {
+    constexpr size_t kRowsATask = 64;
+    tbb::parallel_for(
+        tbb::blocked_range<size_t>(0, size_t{rows.x} * rows.y, kRowsATask), [&](const auto& range) {
+            for (size_t i = range.begin(); i != range.end(); ++i) {
+                row(static_cast<uint32_t>(i % rows.x), static_cast<uint32_t>(i / rows.x));
+            }
+        });
 }
 
-/// The longest step along a row: steps of 1, 2, 4, ... add up to all distances below kGreatest.
-constexpr size_t kLongestStep = 32;
-static_assert(2 * kLongestStep > kGreatest);
-
-/// One plane of edges with a border of the greatest edge: what is outside is empty.
-class Plane {
-  public:
-    explicit Plane(const uvec3& dims)
-        : pitch_(dims.x + 2), edges_(pitch_ * (dims.y + 2), kGreatest) {}
-
-    /// Row y from -1 to dims.y; of which cells -1 to dims.x may be read.
-    uint8_t* row(ptrdiff_t y) { return &edges_[pitch_ * static_cast<size_t>(y + 1) + 1]; }
-
-  private:
-    size_t pitch_;
-    std::vector<uint8_t> edges_;
-};
-
-/// By value, unlike std::min, and written so that g++ 12 finds the vector instruction.
-uint8_t least(uint8_t a, uint8_t b) { return a < b ? a : b; }
-
-/// distance + step, but at most kGreatest.
-uint8_t advance(uint8_t distance, uint8_t step) {
-    return static_cast<uint8_t>(least(distance, static_cast<uint8_t>(kGreatest - step)) + step);
+/// 32 x 32 bits to their transpose, in both halves of the words at once: bit c of row r goes to bit
+/// r of row c. Blocks of half the size change places, then those within them.
+void transpose(std::array<uint64_t, 32>& rows) {
+    uint64_t low = 0x0000FFFF0000FFFFu;  // columns whose number lacks the bit `half`
+    for (uint32_t half = 16; half > 0; half /= 2, low ^= low << half) {
+        for (uint32_t block = 0; block < 32; block += 2 * half) {
+            for (uint32_t r = block; r < block + half; ++r) {
+                const uint64_t change = ((rows[r] >> half) ^ rows[r + half]) & low;
+                rows[r + half] ^= change;
+                rows[r] ^= change << half;
+            }
+        }
+    }
 }
 
-/// Room for the steps of one row, with kLongestStep cells more on both sides.
-struct Scratch {
-    explicit Scratch(size_t count)
-        : a(count + 2 * kLongestStep, kGreatest), b(a), nearest(count + 2) {}
-
-    std::vector<uint8_t> a;
-    std::vector<uint8_t> b;
-    std::vector<uint8_t> nearest;
-};
-
-/// Edges of a row of cells, from the three rows ahead of it: `beside` in the same plane, `behind`
-/// and `across` in the next. `ahead`: 1 or -1, the cube's direction along the row.
-void measure_row(const uint32_t* begin, size_t count, ptrdiff_t ahead, uint8_t* __restrict row,
-                 const uint8_t* beside, const uint8_t* behind, const uint8_t* across,
-                 Scratch& scratch) {
-    // What the rows ahead allow at most.
-    uint8_t* const __restrict nearest = scratch.nearest.data();
-    for (size_t k = 0; k < count + 2; ++k) {
-        nearest[k] = least(least(beside[ptrdiff_t(k) - 1], behind[ptrdiff_t(k) - 1]),
-                           across[ptrdiff_t(k) - 1]);
-    }
-    uint8_t* now = scratch.a.data() + kLongestStep;
-    uint8_t* next = scratch.b.data() + kLongestStep;
-    {
-        const uint8_t* const __restrict here = nearest + 1;
-        const uint8_t* const __restrict there = here + ahead;
-        uint8_t* const __restrict to = now;
-        for (size_t x = 0; x < count; ++x) {
-            const uint8_t full = begin[x] != begin[x + 1] ? uint8_t{0} : kGreatest;
-            to[x] = least(full, advance(least(here[x], there[x]), 1));
-        }
-    }
-    // And what the cells ahead in the row allow, each step taken by all cells at once.
-    for (size_t step = 1; step <= kLongestStep && step < count; step *= 2) {
-        const uint8_t* const __restrict from = now;
-        const uint8_t* const __restrict farther = now + ahead * static_cast<ptrdiff_t>(step);
-        uint8_t* const __restrict to = next;
-        for (size_t x = 0; x < count; ++x) {
-            to[x] = least(from[x], advance(farther[x], static_cast<uint8_t>(step)));
-        }
-        std::swap(now, next);
-    }
-    std::copy_n(now, count, row);
+/// The bits from `shift` on, which is at most kWordBits - 1, of a word and the next.
+uint64_t bits_from(const uint64_t* word, uint32_t shift) {
+    return word[0] >> shift | word[1] << 1 << (kWordBits - 1 - shift);
 }
 
-/// The codes of one octant in planes [z_first, z_end). Edges end at kGreatest, so a pass that
-/// begins so many planes ahead is right when it comes to them.
-void find_in_planes(const UniformGrid& grid, uint32_t octant, ptrdiff_t z_first, ptrdiff_t z_end,
-                    uint32_t* codes) {
-    const auto [nx, ny, nz] = std::array<ptrdiff_t, 3>{grid.dims.x, grid.dims.y, grid.dims.z};
-    const ptrdiff_t ahead_x = (octant & 1) != 0 ? 1 : -1;
-    const ptrdiff_t ahead_y = (octant & 2) != 0 ? 1 : -1;
-    const ptrdiff_t ahead_z = (octant & 4) != 0 ? 1 : -1;
-    const uint32_t shift = empty_cube_shift(octant);
-    Plane now(grid.dims);
-    Plane last(grid.dims);
-    Scratch scratch(grid.dims.x);
-    const ptrdiff_t z_begin = ahead_z > 0 ? std::min(z_end + kGreatest, nz) - 1
-                                          : std::max<ptrdiff_t>(z_first - kGreatest, 0);
-    const ptrdiff_t z_last = ahead_z > 0 ? z_first : z_end - 1;
-    for (ptrdiff_t z = z_begin;; z -= ahead_z) {
-        for (ptrdiff_t k = 0; k < ny; ++k) {
-            const ptrdiff_t y = ahead_y > 0 ? ny - 1 - k : k;
-            const ptrdiff_t first_cell = nx * (y + ny * z);
-            uint8_t* const row = now.row(y);
-            measure_row(&grid.cell_begin[static_cast<size_t>(first_cell)], grid.dims.x, ahead_x,
-                        row, now.row(y + ahead_y), last.row(y), last.row(y + ahead_y), scratch);
-            if (z < z_first || z >= z_end) continue;
-            add_codes(codes + first_cell, row, grid.dims.x, shift, scratch.nearest.data());
-        }
-        if (z == z_last) break;
-        std::swap(now, last);
-    }
+/// Bit k of the codes of 64 cells goes to code[k]. is_empty[e]: whether the cube of edge number
+/// e + 1 is empty; larger cubes hold the smaller, so a code is the number of those that are.
+void put_code_bits(const std::array<uint64_t, kEdges - 1>& is_empty, uint64_t* code) {
+    const auto& [one, two, three, four, five, six, seven] = is_empty;
+    code[0] = (one & ~two) | (three & ~four) | (five & ~six) | seven;
+    code[1] = (two & ~four) | six;
+    code[2] = four;
 }
 
 }  // namespace
 
-void find_empty_cubes(const UniformGrid& grid, uint32_t* codes) {
-    // Fewer planes a task would do more of the work twice.
-    constexpr uint32_t kPlanesATask = 2 * kGreatest;
-    const uint32_t tasks = (grid.dims.z + kPlanesATask - 1) / kPlanesATask;
-    tbb::parallel_for(uint32_t{0}, tasks, [&](uint32_t task) {
-        const size_t plane = size_t{grid.dims.x} * grid.dims.y;
-        const uint32_t first = task * kPlanesATask;
-        const uint32_t end = std::min(first + kPlanesATask, grid.dims.z);
-        std::fill(codes + plane * first, codes + plane * end, 0u);
-        for (uint32_t octant = 0; octant < 8; ++octant) {
-            find_in_planes(grid, octant, first, end, codes);
+EmptyCubes::EmptyCubes(const UniformGrid& grid)
+    : dims_(grid.dims),
+      pitch_((dims_.x + kWordBits - 1) / kWordBits + 1),
+      outside_(pitch_, ~uint64_t{0}) {
+    levels_.push_back(first_level(grid));
+    for (size_t k = 1; k < kEdges; ++k) {
+        levels_.push_back(next_level(levels_.back(), kEmptyCubeEdges[k]));
+    }
+}
+
+const uint64_t* EmptyCubes::row(const Level& level, int64_t y, int64_t z) const {
+    if (y < 0 || z < 0 || y >= level.rows.x || z >= level.rows.y) return outside_.data();
+    return &level.bits[pitch_ * (static_cast<size_t>(y) + level.rows.x * static_cast<size_t>(z))];
+}
+
+EmptyCubes::Level EmptyCubes::first_level(const UniformGrid& grid) const {
+    Level level{.edges = uvec3(1), .rows = uvec2(dims_.y, dims_.z), .bits = {}};
+    level.bits.resize(pitch_ * level.rows.x * level.rows.y);
+    for_each_row_of(level.rows, [&](uint32_t y, uint32_t z) {
+        const size_t row = y + size_t{dims_.y} * z;
+        const uint32_t* const begin = &grid.cell_begin[dims_.x * row];
+        uint64_t* const out = &level.bits[pitch_ * row];
+        std::fill_n(out, pitch_, ~uint64_t{0});
+        for (uint32_t first = 0; first < dims_.x; first += kWordBits) {
+            const uint32_t count = std::min(dims_.x - first, kWordBits);
+            uint64_t full = 0;
+            for (uint32_t k = 0; k < count; ++k) {
+                full |= uint64_t{begin[first + k] != begin[first + k + 1]} << k;
+            }
+            out[first / kWordBits] = ~full;
         }
+    });
+    return level;
+}
+
+EmptyCubes::Level EmptyCubes::next_level(const Level& from, uint32_t edge) const {
+    const uvec3 edges = glm::min(uvec3(edge), dims_);
+    const uvec3 step = edges - from.edges;
+    Level level{.edges = edges, .rows = from.rows + uvec2(step.y, step.z), .bits = {}};
+    level.bits.resize(pitch_ * level.rows.x * level.rows.y);
+    for_each_row_of(level.rows, [&](uint32_t y, uint32_t z) {
+        const int64_t y_before = int64_t{y} - step.y;
+        const int64_t z_before = int64_t{z} - step.z;
+        const uint64_t* const a = row(from, y, z);
+        const uint64_t* const b = row(from, y_before, z);
+        const uint64_t* const c = row(from, y, z_before);
+        const uint64_t* const d = row(from, y_before, z_before);
+        uint64_t* const out = &level.bits[pitch_ * (y + size_t{level.rows.x} * z)];
+        uint64_t before = ~uint64_t{0};
+        for (size_t k = 0; k < pitch_; ++k) {
+            const uint64_t here = a[k] & b[k] & c[k] & d[k];
+            // The bits `step.x` below: the topmost of the word before come first.
+            const uint64_t moved = here << step.x | before >> 1 >> (kWordBits - 1 - step.x);
+            out[k] = here & moved;
+            before = here;
+        }
+    });
+    return level;
+}
+
+void EmptyCubes::row_words(uint32_t y, uint32_t z, uint32_t* words) const {
+    // The rows where the cubes of each edge end that begin in this one: four ways to go in y, z.
+    constexpr uint32_t kWays = 4;
+    std::array<std::array<const uint64_t*, kEdges - 1>, kWays> rows;
+    for (uint32_t way = 0; way < kWays; ++way) {
+        for (size_t k = 1; k < kEdges; ++k) {
+            const Level& level = levels_[k];
+            const uint32_t y_last = y + ((way & 1) != 0 ? level.edges.y - 1 : 0);
+            const uint32_t z_last = z + ((way & 2) != 0 ? level.edges.z - 1 : 0);
+            rows[way][k - 1] = row(level, y_last, z_last);
+        }
+    }
+    const uint64_t* const empty = row(levels_.front(), y, z);
+
+    for (uint32_t first = 0; first < dims_.x; first += kWordBits) {
+        const size_t at = first / kWordBits;
+        const uint32_t count = std::min(dims_.x - first, kWordBits);
+        std::array<uint64_t, 32> planes = {};  // bit k of the words of 64 cells
+        uint64_t all = ~uint64_t{0};           // whether all cubes are the greatest
+        for (uint32_t octant = 0; octant < 8; ++octant) {
+            std::array<uint64_t, kEdges - 1> is_empty;
+            for (size_t k = 1; k < kEdges; ++k) {
+                const uint32_t x_last = (octant & 1) != 0 ? levels_[k].edges.x - 1 : 0;
+                is_empty[k - 1] = bits_from(rows[octant / 2][k - 1] + at, x_last);
+            }
+            put_code_bits(is_empty, &planes[empty_cube_shift(octant)]);
+            all &= is_empty.back();
+        }
+        constexpr uint32_t kAllGreatest = kEmptyCellBit | ((1u << empty_cube_shift(8)) - 1);
+        if (~all == 0) {
+            std::fill_n(words + first, count, kAllGreatest);
+            continue;
+        }
+        planes[31] = empty[at];
+        transpose(planes);
+        for (uint32_t k = 0; k < count; ++k) {
+            words[first + k] = static_cast<uint32_t>(planes[k % 32] >> (k & 32));
+        }
+    }
+}
+
+void find_empty_cubes(const UniformGrid& grid, uint32_t* words) {
+    const EmptyCubes cubes(grid);
+    for_each_row_of(uvec2(grid.dims.y, grid.dims.z), [&](uint32_t y, uint32_t z) {
+        cubes.row_words(y, z, words + grid.cell_index(uvec3(0, y, z)));
     });
 }
 

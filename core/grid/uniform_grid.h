@@ -58,7 +58,8 @@ UniformGrid build_triangle_grid(const Object& object, const GridSizing& sizing);
 /// rebuilds no object grid" is counted with it, not inferred.
 uint64_t triangle_grids_built();
 
-/// Cells are taken this much larger, in cells, when primitives are binned (facts: 0.001 cell).
-inline constexpr double kBinningPad = 1e-3;
+/// Cells are taken this much larger, in cells, when primitives are binned: twice what a walk in
+/// floats may err at 1,024 cells an axis (gpu_glsl/README.md, step 3, adds it up).
+inline constexpr double kBinningPad = 0x1p-9;
 
 }  // namespace onepass

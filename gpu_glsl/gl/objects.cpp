@@ -69,6 +69,10 @@ void check_limit(const std::string& what, uint64_t asked, const char* unit, int6
                            "or device."});
 }
 
+int64_t most_block_bytes() {
+    return GLAD_GL_VERSION_4_3 ? limit(GL_MAX_SHADER_STORAGE_BLOCK_SIZE) : 0;
+}
+
 /// The texels must suit the format and fill the texture: the packer's duty, so a check.
 void check_texels(const FormatInfo& info, const glm::uvec3& size, const Texels& texels) {
     if (texels.scalar_type == 0) return;
@@ -251,7 +255,7 @@ void update_region(const Texture& texture, const glm::uvec3& corner, const glm::
     check_gl(fmt::format("updating texture '{}'", texture.name()));
 }
 
-Texture texture_buffer(std::string name, TexelFormat format, const Texels& texels) {
+Texture texture_buffer(std::string name, TexelFormat format, const Texels& texels, BufferUse use) {
     // Check. The data goes into a plain buffer, which converts nothing.
     const FormatInfo info = format_info(format);
     const std::string what = fmt::format("buffer texture '{}'", name);
@@ -259,8 +263,14 @@ Texture texture_buffer(std::string name, TexelFormat format, const Texels& texel
     const GLenum stored_type = info.scalar_bytes == 2 ? GL_HALF_FLOAT : info.scalar_type;
     ONEPASS_CHECK_EQ(texels.scalar_type, stored_type);
     ONEPASS_CHECK_EQ(texels.scalar_count, texel_count * static_cast<size_t>(info.components));
-    check_limit(what, texel_count, "texels", limit(GL_MAX_TEXTURE_BUFFER_SIZE),
-                "GL_MAX_TEXTURE_BUFFER_SIZE");
+    if (use == BufferUse::texture) {
+        check_limit(what, texel_count, "texels", limit(GL_MAX_TEXTURE_BUFFER_SIZE),
+                    "GL_MAX_TEXTURE_BUFFER_SIZE");
+    } else {
+        const size_t scalar_bytes = static_cast<size_t>(info.scalar_bytes);
+        check_limit(what, texels.scalar_count * scalar_bytes, "bytes", most_block_bytes(),
+                    "GL_MAX_SHADER_STORAGE_BLOCK_SIZE");
+    }
 
     // Upload.
     const glm::uvec3 size(static_cast<uint32_t>(texel_count), 1, 1);
@@ -291,8 +301,7 @@ Buffer::Buffer(std::string name, size_t bytes, const void* data)
     : name_(std::move(name)), bytes_(bytes) {
     constexpr size_t kLeastBytes = 16;
     const std::string what = fmt::format("storage buffer '{}'", name_);
-    const int64_t most = GLAD_GL_VERSION_4_3 ? limit(GL_MAX_SHADER_STORAGE_BLOCK_SIZE) : 0;
-    check_limit(what, bytes, "bytes", most, "GL_MAX_SHADER_STORAGE_BLOCK_SIZE");
+    check_limit(what, bytes, "bytes", most_block_bytes(), "GL_MAX_SHADER_STORAGE_BLOCK_SIZE");
     id_ = bytes == 0 ? make_buffer(kLeastBytes, nullptr) : make_buffer(bytes, data);
     check_gl(fmt::format("uploading {} ({} bytes)", what, bytes));
 }

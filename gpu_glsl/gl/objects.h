@@ -94,6 +94,9 @@ struct Texels {
     }
 };
 
+/// What shaders read the buffer of a buffer texture as.
+enum class BufferUse { texture, block };
+
 /// A texture read texel by texel: nearest filter, edges clamped, one level.
 class Texture {
   public:
@@ -108,7 +111,7 @@ class Texture {
   private:
     friend Texture texture_2d(std::string, TexelFormat, uint32_t, uint32_t, const Texels&);
     friend Texture texture_3d(std::string, TexelFormat, const glm::uvec3&, const Texels&);
-    friend Texture texture_buffer(std::string, TexelFormat, const Texels&);
+    friend Texture texture_buffer(std::string, TexelFormat, const Texels&, BufferUse);
     Texture(std::string name, GLenum target, TexelFormat format, const glm::uvec3& size);
 
     std::string name_;
@@ -134,8 +137,10 @@ void update_region(const Texture& texture, const glm::uvec3& corner, const glm::
                    const Texels& texels);
 
 /// A buffer texture (`samplerBuffer`), as long as its data. 32-bit formats are what GLSL needs.
-/// Throws: Error as texture_2d.
-Texture texture_buffer(std::string name, TexelFormat format, const Texels& texels);
+/// As a block its buffer may be longer than textures can be: they would see its beginning only.
+/// Throws: Error as texture_2d, by the limit of its use.
+Texture texture_buffer(std::string name, TexelFormat format, const Texels& texels,
+                       BufferUse use = BufferUse::texture);
 
 /// The whole texture read back (2D and 3D, float formats), in upload order.
 std::vector<float> read_floats(const Texture& texture);

@@ -62,7 +62,7 @@ void put_barycentric_planes(float* out, const dvec3& v0, const dvec3& v1, const 
     const dvec3 first = cross(t.c - t.a, normal) / area_squared;
     const dvec3 second = cross(normal, t.b - t.a) / area_squared;
     double scale =
-        1.0 / (sum_of_sizes(normal) * (sum_of_sizes(first) + sum_of_sizes(second) + 0.5));
+        1.0 / (sum_of_sizes(normal) * (sum_of_sizes(first) + sum_of_sizes(second) + 1.0));
     if (dot(normal, t.a) < 0.0) scale = -scale;
     const auto put = [&](float* texel, const dvec3& n, double d) {
         for (int axis = 0; axis < 3; ++axis) texel[axis] = static_cast<float>(n[axis]);

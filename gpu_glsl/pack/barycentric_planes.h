@@ -9,11 +9,11 @@ namespace onepass {
 /// Writes 12 floats (struct Planes of rule_out.glsl): face, (n, d) with dot(n, p) = d on the
 /// triangle; first and second, (m, e) with dot(m, p) + e the weight of v1 and of v2.
 ///
-/// `face` is scaled so that its |n| is 1 / (|m1| + |m2| + 1/2), in sums of absolute components, for
+/// `face` is scaled so that its |n| is 1 / (|m1| + |m2| + 1), in sums of absolute components, for
 /// then one bound on rounding serves all triangles; and turned so that d >= 0. A triangle too thin for
 /// planes (area below 2^-20 of its longest edge squared) gets those of a wider one around it, with
 /// the sign bit of d set: rays near it may hit it, none surely does.
-/// Corners: of at most 1, in the frame of the object's grid.
+/// Corners: of at most 1/2, from the centre of a box of edges of at most 1.
 /// Source:  after Havel & Herout 2010.
 void put_barycentric_planes(float* out, const dvec3& v0, const dvec3& v1, const dvec3& v2);
 

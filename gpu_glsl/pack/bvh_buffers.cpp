@@ -55,12 +55,13 @@ void put_nodes(uint32_t* out, const Bvh& bvh, const GridFrame& frame, uint32_t f
 /// An object's corners and planes in the order of the leaves, and the triangle in each slot.
 void put_triangles(float* corners, float* planes, uint32_t* primitives, const Object& object,
                    const Bvh& bvh, const GridFrame& frame) {
+    const dvec3 centre = centre_in(bvh.bounds, frame);
     tbb::parallel_for(
         tbb::blocked_range<size_t>(0, bvh.primitives.size(), 1 << 12), [&](const auto& range) {
             for (size_t slot = range.begin(); slot != range.end(); ++slot) {
                 const uint32_t prim_id = bvh.primitives[slot];
                 primitives[slot] = prim_id;
-                std::array<dvec3, 3> stored;
+                std::array<dvec3, 3> stored;  // from the centre
                 for (size_t v = 0; v < stored.size(); ++v) {
                     float* const out = corners + 4 * (kBvhTriangleTexels * slot + v);
                     const dvec3 p(
@@ -68,7 +69,7 @@ void put_triangles(float* corners, float* planes, uint32_t* primitives, const Ob
                     const dvec3 q = (p - frame.origin) * frame.scale;
                     for (int axis = 0; axis < 3; ++axis) {
                         out[axis] = static_cast<float>(q[axis]);
-                        stored[v][axis] = double{out[axis]};
+                        stored[v][axis] = double{out[axis]} - centre[axis];
                     }
                 }
                 put_barycentric_planes(planes + 4 * kBvhPlanesTexels * slot, stored[0], stored[1],
@@ -104,7 +105,7 @@ TextureData pack_instances(const Scene& scene, const TwoLevelBvh& bvh,
                            const std::vector<GridFrame>& frames, const TextureLimits& limits) {
     TextureData rows = make_float_buffer("bvh_instances", "instances",
                                          scene.instances.size() * kBvhInstanceTexels, limits);
-    static_assert(kBvhInstanceTexels == kInstanceRowTexels + 2);
+    static_assert(kBvhInstanceTexels == kInstanceRowTexels + 3);
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
         const GridFrame& frame = frames[instance.object];
@@ -117,6 +118,8 @@ TextureData pack_instances(const Scene& scene, const TwoLevelBvh& bvh,
             };
             out[4 * kInstanceRowTexels + axis] = coordinate(box.lower);
             out[4 * kInstanceRowTexels + 4 + axis] = coordinate(box.upper);
+            out[4 * kInstanceRowTexels + 8 + axis] =
+                static_cast<float>(centre_in(box, frame)[axis]);
         }
     }
     return rows;

@@ -22,6 +22,9 @@ dvec3 frame_origin(const Bounds& bounds);
 /// `bounds` must not be flat (core/grid/sizing.h: padded_bounds).
 GridFrame object_frame(const Bounds& bounds);
 
+/// The centre of a box, as floats hold it in the frame.
+dvec3 centre_in(const Bounds& box, const GridFrame& frame);
+
 /// The map from the world to an instance's frame, as shared/grid_buffers_layout.h says of
 /// kInstanceRowTexels: 24 floats.
 void put_instance_rows(float* out, const Affine& world_from_object, const GridFrame& frame);

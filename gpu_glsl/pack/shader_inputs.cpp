@@ -44,17 +44,21 @@ void write_box(TextureData& texture, const TexelBox& box) {
 
 /// Without its content. An empty buffer holds one texel, as GL has none without.
 TextureData make_buffer(const std::string& name, const std::string& what, uint64_t texels,
-                        const TextureLimits& limits) {
-    if (texels > limits.max_buffer) {
+                        uint64_t bytes_a_texel, const TextureLimits& limits, BufferKind kind) {
+    const bool is_block = kind == BufferKind::block;
+    const uint64_t most = is_block ? limits.max_block / bytes_a_texel : limits.max_buffer;
+    if (texels > most) {
         throw Error({fmt::format("buffer '{}'", name), fmt::format("{} texels of {}", texels, what),
-                     fmt::format("at most {}", limits.max_buffer),
-                     "Use a smaller scene, a lower --param density, or a device with larger "
-                     "buffer textures."});
+                     fmt::format("at most {}, the limit of a {}", most,
+                                 is_block ? "storage block" : "buffer texture"),
+                     "Use a smaller scene, a lower --param density, a storage or a device with "
+                     "larger buffers."});
     }
     TextureData buffer;
     buffer.name = name;
     buffer.dimensions = 1;
     buffer.size = uvec3(std::max<uint64_t>(texels, 1), 1, 1);
+    buffer.is_block = is_block;
     return buffer;
 }
 
@@ -116,17 +120,41 @@ uvec3 record_texture_size(const std::string& name, const std::string& what, uint
 
 TextureData make_float_buffer(const std::string& name, const std::string& what, uint64_t texels,
                               const TextureLimits& limits) {
-    TextureData buffer = make_buffer(name, what, texels, limits);
+    TextureData buffer =
+        make_buffer(name, what, texels, 4 * sizeof(float), limits, BufferKind::texture);
     buffer.texels.assign(size_t{4} * buffer.size.x, 0.0f);
     return buffer;
 }
 
 TextureData make_word_buffer(const std::string& name, const std::string& what, uint64_t texels,
                              int channels, const TextureLimits& limits) {
-    TextureData buffer = make_buffer(name, what, texels, limits);
+    const uint64_t bytes_a_texel = static_cast<uint64_t>(channels) * sizeof(uint32_t);
+    TextureData buffer =
+        make_buffer(name, what, texels, bytes_a_texel, limits, BufferKind::texture);
     buffer.channels = channels;
     buffer.format = ChannelFormat::word;
     buffer.words.assign(static_cast<size_t>(channels) * buffer.size.x, 0);
+    return buffer;
+}
+
+TextureData float_buffer_of(const std::string& name, const std::string& what,
+                            RawVector<float> texels, const TextureLimits& limits, BufferKind kind) {
+    ONEPASS_CHECK_LT(0u, texels.size());
+    ONEPASS_CHECK_EQ(texels.size() % 4, 0u);
+    TextureData buffer =
+        make_buffer(name, what, texels.size() / 4, 4 * sizeof(float), limits, kind);
+    buffer.texels = std::move(texels);
+    return buffer;
+}
+
+TextureData word_buffer_of(const std::string& name, const std::string& what,
+                           RawVector<uint32_t> words, const TextureLimits& limits,
+                           BufferKind kind) {
+    ONEPASS_CHECK_LT(0u, words.size());
+    TextureData buffer = make_buffer(name, what, words.size(), sizeof(uint32_t), limits, kind);
+    buffer.channels = 1;
+    buffer.format = ChannelFormat::word;
+    buffer.words = std::move(words);
     return buffer;
 }
 

@@ -10,6 +10,7 @@
 #include <variant>
 #include <vector>
 
+#include "core/raw_vector.h"
 #include "core/types.h"
 
 namespace onepass {
@@ -26,8 +27,9 @@ struct TextureData {
     uvec3 size{1};  ///< texels; 1 in the dimensions it lacks
     int channels = 4;
     ChannelFormat format = ChannelFormat::single;
-    std::vector<float> texels;
-    std::vector<uint32_t> words = {};  ///< of format `word`, in place of `texels`
+    bool is_block = false;  ///< a buffer that shaders read as a storage block
+    RawVector<float> texels;
+    RawVector<uint32_t> words = {};  ///< of format `word`, in place of `texels`
 
     uint64_t bytes() const {
         return uint64_t{size.x} * size.y * size.z * static_cast<uint64_t>(channels) *
@@ -45,7 +47,7 @@ struct TexelBox {
     std::string texture;  ///< its name
     uvec3 corner{0};
     uvec3 size{1};
-    std::vector<float> texels;
+    RawVector<float> texels;
 };
 
 /// What becomes of inputs when instances move. Deques, as in ShaderInputs.
@@ -75,11 +77,12 @@ struct ShaderInputs {
     void apply(InputChanges changes);
 };
 
-/// The largest textures a device holds, as packing needs to know it.
+/// The largest textures and buffers a device holds, as packing needs to know it.
 struct TextureLimits {
     uint32_t max_2d = 16384;  ///< texels a side
     uint32_t max_3d = 2048;
-    uint64_t max_buffer = uint64_t{1} << 27;  ///< texels
+    uint64_t max_buffer = uint64_t{1} << 27;       ///< texels of a buffer texture
+    uint64_t max_block = (uint64_t{1} << 31) - 1;  ///< bytes of a storage block
 };
 
 /// A 2D texture of RGBA32F texels, all 0.
@@ -95,12 +98,21 @@ uvec3 record_texture_size(const std::string& name, const std::string& what, uint
 TextureData make_record_texture(const std::string& name, const std::string& what, uint64_t records,
                                 uint32_t texels_per_record, uint32_t max_side);
 
+/// What shaders read a buffer as: a device has a limit for each.
+enum class BufferKind { texture, block };
+
 /// Buffers of zeros: of four floats a texel, and of 1, 2 or 4 unsigned integers a texel. `what`
 /// names what fills them in errors. Throws: Error if the texels exceed the limit.
 TextureData make_float_buffer(const std::string& name, const std::string& what, uint64_t texels,
                               const TextureLimits& limits);
 TextureData make_word_buffer(const std::string& name, const std::string& what, uint64_t texels,
                              int channels, const TextureLimits& limits);
+
+/// The same of numbers that are there: of four floats a texel, and of one integer.
+TextureData float_buffer_of(const std::string& name, const std::string& what,
+                            RawVector<float> texels, const TextureLimits& limits, BufferKind kind);
+TextureData word_buffer_of(const std::string& name, const std::string& what,
+                           RawVector<uint32_t> words, const TextureLimits& limits, BufferKind kind);
 
 /// The texel where record `index` of such a texture begins.
 uvec2 record_texel(uvec3 texture_size, uint64_t index, uint32_t texels_per_record);

@@ -19,7 +19,7 @@ namespace {
 /// Instances at their new places.
 struct MovedInstances {
     std::vector<Bounds> boxes;  ///< in the world
-    std::vector<Affine> object_from_world;
+    RawVector<Affine> object_from_world;
 };
 
 /// What validate() asks of an instance's transform and box. Throws: Error naming the instance.
@@ -125,11 +125,10 @@ void MovingTopLevel::commit(TopLevelMove& move) {
     if (move.repacked) places_ = std::move(*move.repacked);
 }
 
-MovingTopBuffers::MovingTopBuffers(ScenePtr scene, const TwoLevelGrid& grid,
-                                   const GridSizing& top_sizing, const TwoLevelBuffers& packed,
-                                   const TextureLimits& limits)
+MovingTopBuffers::MovingTopBuffers(ScenePtr scene, const GridSizing& top_sizing,
+                                   const TwoLevelBuffers& packed, const TextureLimits& limits)
     : scene_(std::move(scene)),
-      frames_(object_frames(grid)),
+      frames_(packed.frames),
       top_sizing_(top_sizing),
       limits_(limits),
       object_cells_(packed.object_cells),
@@ -139,10 +138,14 @@ MovingTopBuffers::MovingTopBuffers(ScenePtr scene, const TwoLevelGrid& grid,
 
 TopLevelMove MovingTopBuffers::plan(std::span<const Affine> world_from_object) const {
     const MovedInstances moved = move_instances(*scene_, object_boxes_, world_from_object);
-    const UniformGrid top = build_box_grid(moved.boxes, top_sizing_);
-
-    ShaderInputs inputs = pack_top_buffers(*scene_, world_from_object, top, frames_, limits_);
+    UniformGrid top = build_box_grid(moved.boxes, top_sizing_);
     TopLevelMove move;
+    move.stats.push_back({"cells", static_cast<double>(object_cells_ + top.cell_count()), ""});
+    move.stats.push_back(
+        {"references", static_cast<double>(object_references_ + top.references.size()), ""});
+
+    ShaderInputs inputs =
+        pack_top_buffers(*scene_, world_from_object, std::move(top), frames_, limits_);
     for (const TextureData& texture : inputs.textures) {
         move.stats.push_back({texture.name + "_bytes", static_cast<double>(texture.bytes()), ""});
     }
@@ -151,10 +154,6 @@ TopLevelMove MovingTopBuffers::plan(std::span<const Affine> world_from_object) c
     move.changes.boxes.push_back(
         whole_texture(pack_shading_instances(*scene_, moved.object_from_world, limits_)));
     move.changes.uniforms.push_back({"ray_offset", secondary_offset(bounds_of(moved.boxes))});
-
-    move.stats.push_back({"cells", static_cast<double>(object_cells_ + top.cell_count()), ""});
-    move.stats.push_back(
-        {"references", static_cast<double>(object_references_ + top.references.size()), ""});
     return move;
 }
 

@@ -66,8 +66,8 @@ class MovingTopLevel {
 /// every move, and no room can be outgrown.
 class MovingTopBuffers {
   public:
-    MovingTopBuffers(ScenePtr scene, const TwoLevelGrid& grid, const GridSizing& top_sizing,
-                     const TwoLevelBuffers& packed, const TextureLimits& limits);
+    MovingTopBuffers(ScenePtr scene, const GridSizing& top_sizing, const TwoLevelBuffers& packed,
+                     const TextureLimits& limits);
 
     /// As MovingTopLevel::plan(). Cost: O(instances + top-level cells and references).
     TopLevelMove plan(std::span<const Affine> world_from_object) const;

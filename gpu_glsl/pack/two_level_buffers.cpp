@@ -35,30 +35,57 @@ constexpr bool same_empty_cube_edges() {
 }
 static_assert(same_empty_cube_edges());
 
-/// The words of a grid's cells (shared/grid_buffers_layout.h).
-void put_cells(uint32_t* out, const UniformGrid& grid, uint64_t first_reference) {
-    const auto base = static_cast<uint32_t>(first_reference);
-    find_empty_cubes(grid, out);
-    tbb::parallel_for(tbb::blocked_range<uint64_t>(0, grid.cell_count(), 1 << 14),
+static_assert(kEmptyCell == kEmptyCellBit);
+static_assert(kListPadsACell * kBinningPad == 1.0);
+
+/// Turns the references of a grid into words (shared/grid_buffers_layout.h).
+void references_to_words(UniformGrid& grid) {
+    constexpr size_t kCellsATask = 1 << 14;
+    tbb::parallel_for(tbb::blocked_range<uint64_t>(0, grid.cell_count(), kCellsATask),
                       [&](const auto& range) {
                           for (uint64_t i = range.begin(); i != range.end(); ++i) {
-                              const bool is_empty = grid.cell_begin[i] == grid.cell_begin[i + 1];
-                              out[i] = is_empty ? kEmptyCell | out[i] : base + grid.cell_begin[i];
+                              const uint32_t end = grid.cell_begin[i + 1];
+                              for (uint32_t k = grid.cell_begin[i]; k + 1 < end; ++k) {
+                                  grid.references[k] |= kMoreReferences;
+                              }
                           }
                       });
 }
 
-/// The words of a grid's references.
-void put_references(uint32_t* out, const UniformGrid& grid) {
-    tbb::parallel_for(
-        tbb::blocked_range<uint64_t>(0, grid.cell_count(), 1 << 14), [&](const auto& range) {
-            for (uint64_t i = range.begin(); i != range.end(); ++i) {
-                const uint32_t end = grid.cell_begin[i + 1];
-                for (uint32_t k = grid.cell_begin[i]; k < end; ++k) {
-                    out[k] = grid.references[k] | (k + 1 == end ? 0 : kMoreReferences);
-                }
-            }
-        });
+/// Turns the cells of a grid, whose references begin at `first_reference`, into words.
+void cells_to_words(UniformGrid& grid, uint64_t first_reference) {
+    const auto base = static_cast<uint32_t>(first_reference);
+    const EmptyCubes cubes(grid);
+    grid.cell_begin.pop_back();
+    constexpr size_t kRowsATask = 64;
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, size_t{grid.dims.y} * grid.dims.z, kRowsATask),
+                      [&](const auto& range) {
+                          std::vector<uint32_t> empty(grid.dims.x);
+                          for (size_t i = range.begin(); i != range.end(); ++i) {
+                              cubes.row_words(static_cast<uint32_t>(i % grid.dims.y),
+                                              static_cast<uint32_t>(i / grid.dims.y), empty.data());
+                              uint32_t* const row = &grid.cell_begin[grid.dims.x * i];
+                              for (uint32_t x = 0; x < grid.dims.x; ++x) {
+                                  row[x] = empty[x] != 0 ? empty[x] : base + row[x];
+                              }
+                          }
+                      });
+}
+
+/// The arrays of all grids end to end. Each is given up as it is taken over; a single one is not
+/// even copied.
+RawVector<uint32_t> joined(std::vector<UniformGrid>& grids,
+                           RawVector<uint32_t> UniformGrid::*array) {
+    if (grids.size() == 1) return std::move(grids.front().*array);
+    size_t size = 0;
+    for (const UniformGrid& grid : grids) size += (grid.*array).size();
+    RawVector<uint32_t> all(size);
+    auto out = all.begin();
+    for (UniformGrid& grid : grids) {
+        out = std::copy((grid.*array).begin(), (grid.*array).end(), out);
+        grid.*array = {};
+    }
+    return all;
 }
 
 void check_index_range(const char* what, uint64_t count) {
@@ -69,73 +96,46 @@ void check_index_range(const char* what, uint64_t count) {
                  .remedy = "Lower --param density, or split the scene."});
 }
 
-TextureData pack_cells(const std::vector<UniformGrid>& grids,
-                       const std::vector<uint64_t>& first_cell,
-                       const std::vector<uint64_t>& first_reference, const TextureLimits& limits) {
-    check_index_range("references", first_reference.back());
-    TextureData cells = make_word_buffer("cells", "cells", first_cell.back(), 1, limits);
-    for (size_t k = 0; k < grids.size(); ++k) {
-        put_cells(&cells.words[first_cell[k]], grids[k], first_reference[k]);
-    }
-    return cells;
-}
-
-TextureData pack_references(const std::vector<UniformGrid>& grids,
-                            const std::vector<uint64_t>& first_reference,
-                            const TextureLimits& limits) {
-    TextureData references =
-        make_word_buffer("references", "references", first_reference.back(), 1, limits);
-    for (size_t k = 0; k < grids.size(); ++k) {
-        put_references(&references.words[first_reference[k]], grids[k]);
-    }
-    return references;
-}
-
 void put(float* texel, const dvec3& v) {
     for (int c = 0; c < 3; ++c) texel[c] = static_cast<float>(v[c]);
 }
 
-/// Triangle corners in the frames of their grids: exact.
-TextureData pack_triangles(const Scene& scene, const TwoLevelGrid& grid,
-                           const std::vector<uint64_t>& first_triangle,
-                           const TextureLimits& limits) {
-    check_index_range("triangles", first_triangle.back());
-    TextureData triangles = make_float_buffer(
-        "triangles", "triangles", first_triangle.back() * kTriangleVertexTexels, limits);
+struct PackedTriangles {
+    RawVector<float> corners;  ///< in the frames of their grids: exact
+    RawVector<float> planes;   ///< from the centres of their grids
+};
+
+PackedTriangles pack_triangles(const Scene& scene, const std::vector<UniformGrid>& grids,
+                               std::span<const GridFrame> frames,
+                               const std::vector<uint64_t>& first_triangle) {
+    constexpr size_t kCornerFloats = 4 * kTriangleVertexTexels;
+    constexpr size_t kPlanesFloats = 4 * kPlanesTexels;
+    PackedTriangles packed{RawVector<float>(kCornerFloats * first_triangle.back()),
+                           RawVector<float>(kPlanesFloats * first_triangle.back())};
     for (size_t k = 0; k < scene.objects.size(); ++k) {
         const Object& object = scene.objects[k];
-        const GridFrame frame = object_frame(grid.objects[k].bounds);
-        float* const out = &triangles.texels[4 * kTriangleVertexTexels * first_triangle[k]];
-        tbb::parallel_for(tbb::blocked_range<size_t>(0, object.triangles.size(), 1 << 12),
-                          [&](const auto& range) {
-                              for (size_t i = range.begin(); i != range.end(); ++i) {
-                                  const uvec3& corners = object.triangles[i];
-                                  for (int v = 0; v < kTriangleVertexTexels; ++v) {
-                                      const auto at = kTriangleVertexTexels * i + size_t(v);
-                                      const dvec3 p(object.positions[corners[v]]);
-                                      put(out + 4 * at, (p - frame.origin) * frame.scale);
-                                  }
-                              }
-                          });
+        const GridFrame& frame = frames[k];
+        const dvec3 centre = centre_in(grids[k].bounds, frame);
+        tbb::parallel_for(
+            tbb::blocked_range<size_t>(0, object.triangles.size(), 1 << 12),
+            [&](const auto& range) {
+                for (size_t i = range.begin(); i != range.end(); ++i) {
+                    const size_t at = first_triangle[k] + i;
+                    std::array<dvec3, 3> stored;
+                    for (size_t v = 0; v < stored.size(); ++v) {
+                        float* const texel = &packed.corners[kCornerFloats * at + 4 * v];
+                        const uint32_t corner = object.triangles[i][static_cast<int>(v)];
+                        const dvec3 p(object.positions[corner]);
+                        put(texel, (p - frame.origin) * frame.scale);
+                        texel[3] = 0.0f;
+                        stored[v] = dvec3(texel[0], texel[1], texel[2]) - centre;
+                    }
+                    put_barycentric_planes(&packed.planes[kPlanesFloats * at], stored[0], stored[1],
+                                           stored[2]);
+                }
+            });
     }
-    return triangles;
-}
-
-/// The planes of the same triangles, from the corners as stored.
-TextureData pack_planes(const TextureData& triangles, const TextureLimits& limits) {
-    const size_t count = triangles.texels.size() / (4 * kTriangleVertexTexels);
-    TextureData planes = make_float_buffer("planes", "triangles", count * kPlanesTexels, limits);
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 1 << 12), [&](const auto& range) {
-        for (size_t i = range.begin(); i != range.end(); ++i) {
-            const auto corner = [&](size_t v) {
-                const float* const p = &triangles.texels[4 * (kTriangleVertexTexels * i + v)];
-                return dvec3(p[0], p[1], p[2]);
-            };
-            put_barycentric_planes(&planes.texels[4 * kPlanesTexels * i], corner(0), corner(1),
-                                   corner(2));
-        }
-    });
-    return planes;
+    return packed;
 }
 
 TextureData pack_grid_frames(const std::vector<UniformGrid>& grids, const TextureLimits& limits) {
@@ -145,11 +145,13 @@ TextureData pack_grid_frames(const std::vector<UniformGrid>& grids, const Textur
         const UniformGrid& grid = grids[k];
         const GridFrame frame = object_frame(grid.bounds);
         const dvec3 cell = grid.cell_size() * frame.scale;
+        const dvec3 centre = centre_in(grid.bounds, frame);
         float* const out = &frames.texels[4 * kGridFrameTexels * k];
-        put(out, (dvec3(grid.bounds.lower) - frame.origin) * frame.scale);
-        put(out + 4, (dvec3(grid.bounds.upper) - frame.origin) * frame.scale);
+        put(out, (dvec3(grid.bounds.lower) - frame.origin) * frame.scale - centre);
+        put(out + 4, (dvec3(grid.bounds.upper) - frame.origin) * frame.scale - centre);
         put(out + 8, cell);
         put(out + 12, 1.0 / cell);
+        put(out + 16, centre);
     }
     return frames;
 }
@@ -171,18 +173,18 @@ TextureData pack_grid_numbers(const std::vector<UniformGrid>& grids,
 
 TextureData pack_instance_rows(const Scene& scene, std::span<const Affine> world_from_object,
                                std::span<const GridFrame> frames, const TextureLimits& limits) {
-    TextureData rows = make_float_buffer("instance_rows", "instances",
-                                         world_from_object.size() * kInstanceRowTexels, limits);
+    constexpr size_t kFloats = 4 * kInstanceRowTexels;
+    RawVector<float> rows(kFloats * world_from_object.size());
     constexpr size_t kInstancesATask = 512;
     tbb::parallel_for(tbb::blocked_range<size_t>(0, world_from_object.size(), kInstancesATask),
                       [&](const auto& range) {
                           for (size_t i = range.begin(); i != range.end(); ++i) {
-                              put_instance_rows(&rows.texels[4 * kInstanceRowTexels * i],
-                                                world_from_object[i],
+                              put_instance_rows(&rows[kFloats * i], world_from_object[i],
                                                 frames[scene.instances[i].object]);
                           }
                       });
-    return rows;
+    return float_buffer_of("instance_rows", "instances", std::move(rows), limits,
+                           BufferKind::texture);
 }
 
 TextureData pack_instance_grids(const Scene& scene, const TextureLimits& limits) {
@@ -196,20 +198,15 @@ TextureData pack_instance_grids(const Scene& scene, const TextureLimits& limits)
 
 }  // namespace
 
-std::vector<GridFrame> object_frames(const TwoLevelGrid& grid) {
-    std::vector<GridFrame> frames;
-    for (const UniformGrid& object : grid.objects) frames.push_back(object_frame(object.bounds));
-    return frames;
-}
-
 ShaderInputs pack_top_buffers(const Scene& scene, std::span<const Affine> world_from_object,
-                              const UniformGrid& top, std::span<const GridFrame> frames,
+                              UniformGrid top, std::span<const GridFrame> frames,
                               const TextureLimits& limits) {
-    TextureData cells = make_word_buffer("top_cells", "cells", top.cell_count(), 1, limits);
-    put_cells(cells.words.data(), top, 0);
-    TextureData references =
-        make_word_buffer("top_references", "references", top.references.size(), 1, limits);
-    put_references(references.words.data(), top);
+    references_to_words(top);
+    cells_to_words(top, 0);
+    TextureData cells = word_buffer_of("top_cells", "cells", std::move(top.cell_begin), limits,
+                                       BufferKind::texture);
+    TextureData references = word_buffer_of("top_references", "references",
+                                            std::move(top.references), limits, BufferKind::texture);
 
     ShaderInputs inputs;
     inputs.textures.push_back(std::move(cells));
@@ -225,9 +222,10 @@ ShaderInputs pack_top_buffers(const Scene& scene, std::span<const Affine> world_
     return inputs;
 }
 
-TwoLevelBuffers pack_two_level_buffers(const Scene& scene, const TwoLevelGrid& grid,
-                                       const TextureLimits& limits) {
-    const std::vector<UniformGrid>& grids = grid.objects;
+TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
+                                       const TextureLimits& limits, BufferKind kind) {
+    // What lies where.
+    std::vector<UniformGrid>& grids = grid.objects;
     const std::vector<uint64_t> first_cell =
         starts_of(grids, [](const UniformGrid& g) { return g.cell_count(); });
     const std::vector<uint64_t> first_reference =
@@ -236,36 +234,46 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, const TwoLevelGrid& g
     for (const Object& object : scene.objects) {
         first_triangle.push_back(first_triangle.back() + object.triangles.size());
     }
+    check_index_range("cells", first_cell.back());
+    check_index_range("references", first_reference.back());
+    check_index_range("triangles", first_triangle.back());
     std::vector<Affine> world_from_object;
     for (const Instance& instance : scene.instances) {
         world_from_object.push_back(instance.world_from_object);
     }
 
     TwoLevelBuffers packed;
+    for (const UniformGrid& object : grids) packed.frames.push_back(object_frame(object.bounds));
+    packed.object_cells = first_cell.back();
+    packed.object_references = first_reference.back();
+    packed.stats = {
+        {"triangles", static_cast<double>(first_triangle.back()), "unique"},
+        {"cells", static_cast<double>(packed.object_cells + grid.top.cell_count()), "of all grids"},
+        {"references", static_cast<double>(packed.object_references + grid.top.references.size()),
+         "of all grids"}};
+
+    // The grids become buffers in place.
+    for (size_t k = 0; k < grids.size(); ++k) {
+        references_to_words(grids[k]);
+        cells_to_words(grids[k], first_reference[k]);
+    }
     const auto add = [&](TextureData texture) {
         packed.inputs.textures.push_back(std::move(texture));
     };
-    add(pack_cells(grids, first_cell, first_reference, limits));
-    add(pack_references(grids, first_reference, limits));
-    add(pack_triangles(scene, grid, first_triangle, limits));
-    add(pack_planes(packed.inputs.textures.back(), limits));
+    add(word_buffer_of("cells", "cells", joined(grids, &UniformGrid::cell_begin), limits, kind));
+    add(word_buffer_of("references", "references", joined(grids, &UniformGrid::references), limits,
+                        kind));
+    PackedTriangles triangles = pack_triangles(scene, grids, packed.frames, first_triangle);
+    add(float_buffer_of("planes", "triangles", std::move(triangles.planes), limits, kind));
+    add(float_buffer_of("triangles", "triangles", std::move(triangles.corners), limits, kind));
     add(pack_grid_frames(grids, limits));
     add(pack_grid_numbers(grids, first_cell, first_triangle, limits));
     add(pack_instance_grids(scene, limits));
     packed.inputs.append(
-        pack_top_buffers(scene, world_from_object, grid.top, object_frames(grid), limits));
+        pack_top_buffers(scene, world_from_object, std::move(grid.top), packed.frames, limits));
     for (const TextureData& texture : packed.inputs.textures) {
         packed.stats.push_back({texture.name + "_bytes", static_cast<double>(texture.bytes()), ""});
     }
-    packed.object_cells = first_cell.back();
-    packed.object_references = first_reference.back();
-    packed.stats.push_back({"triangles", static_cast<double>(first_triangle.back()), "unique"});
-    packed.stats.push_back({"cells",
-                            static_cast<double>(packed.object_cells + grid.top.cell_count()),
-                            "of all grids"});
-    packed.stats.push_back(
-        {"references", static_cast<double>(packed.object_references + grid.top.references.size()),
-         "of all grids"});
     return packed;
 }
 

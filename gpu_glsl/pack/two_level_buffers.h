@@ -16,25 +16,27 @@ namespace onepass {
 struct TwoLevelBuffers {
     ShaderInputs inputs;
     std::vector<Stat> stats;
-    uint64_t object_cells = 0;  ///< of all object grids
+    std::vector<GridFrame> frames;  ///< of the objects' grids
+    uint64_t object_cells = 0;      ///< of all object grids
     uint64_t object_references = 0;
 };
 
-/// Layouts in gpu_glsl/shaders/storage/two_level_grid/grid_buffers.glsl and shared/grid_buffers_layout.h.
+/// Layouts in gpu_glsl/shaders/storage/two_level_grid/grid_buffers.glsl and
+/// shared/grid_buffers_layout.h.
 ///
-/// Positions are stored in the frame of their object's grid, without rounding.
-/// Cost:   O(cells + references + triangles); parallel where it pays.
+/// Positions are stored in the frame of their object's grid, without rounding. `kind`: of cells,
+/// references and triangles, which a walk fetches; the rest is always read as textures.
+/// Cost:   O(cells + references + triangles); parallel. The grids' arrays become buffers in place:
+///         beside them 8 bits a cell of one grid at a time, and where objects are several the
+///         buffers are filled as the grids are given up.
 /// Throws: Error naming the buffer, what was asked and the limit, if the scene does not fit.
-TwoLevelBuffers pack_two_level_buffers(const Scene& scene, const TwoLevelGrid& grid,
-                                       const TextureLimits& limits);
-
-/// The frames of the objects' grids.
-std::vector<GridFrame> object_frames(const TwoLevelGrid& grid);
+TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
+                                       const TextureLimits& limits, BufferKind kind);
 
 /// The part that changes when instances move: buffers of the top level and of the instances, and
 /// uniforms. Cost: O(instances + top-level cells and references). Throws: as above.
 ShaderInputs pack_top_buffers(const Scene& scene, std::span<const Affine> world_from_object,
-                              const UniformGrid& top, std::span<const GridFrame> frames,
+                              UniformGrid top, std::span<const GridFrame> frames,
                               const TextureLimits& limits);
 
 }  // namespace onepass

@@ -229,14 +229,13 @@ GridTextures pack_grids_with_width(const Scene& scene, std::span<const UniformGr
                       .dimensions = 3,
                       .size = places.cells,
                       .format = address_format,
-                      .texels = std::vector<float>(
+                      .texels = RawVector<float>(
                           size_t{4} * places.cells.x * places.cells.y * places.cells.z, 0.0f)};
-    TextureData references{
-        .name = "references",
-        .size = places.references,
-        .channels = 2,
-        .format = address_format,
-        .texels = std::vector<float>(size_t{2} * lists.width * lists.rows, 0.0f)};
+    TextureData references{.name = "references",
+                           .size = places.references,
+                           .channels = 2,
+                           .format = address_format,
+                           .texels = RawVector<float>(size_t{2} * lists.width * lists.rows, 0.0f)};
     const ListTarget all_rows{references.texels.data(), lists.width, 0};
     const AddressTable list_address(places.references, width);
     const AddressTable triangle_address(places.triangles, width);
@@ -308,17 +307,17 @@ std::optional<std::deque<TexelBox>> pack_top_grid(const UniformGrid& top,
     TexelBox cells{.texture = "cells",
                    .corner = place.corner,
                    .size = top.dims,
-                   .texels = std::vector<float>(4 * top.cell_count(), 0.0f)};
+                   .texels = RawVector<float>(4 * top.cell_count(), 0.0f)};
     const auto row_count = static_cast<uint32_t>(rows.end_row() - places.first_top_row);
     TexelBox references{.texture = "references",
                         .corner = uvec3(0, places.first_top_row, 0),
                         .size = uvec3(width, row_count, 1),
-                        .texels = std::vector<float>(size_t{2} * width * row_count, 0.0f)};
+                        .texels = RawVector<float>(size_t{2} * width * row_count, 0.0f)};
     write_top(top, lists, places, {cells.texels.data(), top.dims, uvec3(0)},
               {references.texels.data(), width, places.first_top_row});
     TexelBox record{.texture = "grids",
                     .size = uvec3(kGridTexels, 1, 1),
-                    .texels = std::vector<float>(4 * kGridTexels)};
+                    .texels = RawVector<float>(4 * kGridTexels, 0.0f)};
     pack_top_record(record.texels.data(), top, place.corner, places.cells);
 
     std::deque<TexelBox> boxes;

@@ -181,7 +181,7 @@ TwoLevelTextures with_copied_triangles(const Scene& scene, TwoLevelTextures pack
     TextureData top_references{.name = "references",
                                .size = uvec3(references.size.x, rows, 1),
                                .channels = 2,
-                               .texels = std::vector<float>(2 * references.size.x * rows, 0.0f)};
+                               .texels = RawVector<float>(2 * references.size.x * rows, 0.0f)};
     for (size_t i = 0; i < top_lists.size(); ++i) {
         const List& list = top_lists[i];
         std::copy_n(&references.texels[2 * list.first], 2 * list.count,
@@ -220,12 +220,12 @@ TwoLevelTextures with_virtual_arrays(const Scene& scene, TwoLevelTextures packed
     TextureData cell_array{.name = "cells",
                            .size = uvec3(width, cell_count / width, 1),
                            .channels = 2,
-                           .texels = std::vector<float>(2 * cell_count, 0.0f)};
+                           .texels = RawVector<float>(2 * cell_count, 0.0f)};
     TextureData index_array{
         .name = "references",
         .size = references.size,
         .channels = 1,
-        .texels = std::vector<float>(uint64_t{references.size.x} * references.size.y, 0.0f)};
+        .texels = RawVector<float>(uint64_t{references.size.x} * references.size.y, 0.0f)};
     for (const List& list : lists_of(packed.inputs, 0, grid_count(scene))) {
         cell_array.texels[2 * list.cell] = static_cast<float>(list.first);
         cell_array.texels[2 * list.cell + 1] = static_cast<float>(list.count);

@@ -13,6 +13,7 @@ double power_of_two_above(double x) {
     std::frexp(x, &exponent);
     return std::ldexp(1.0, exponent);
 }
+double inverse_of_power(double power) { return 1.0 / power; }
 float bias() { return float(1.0) / std::numeric_limits<float>::epsilon(); }
 float biased(uint n) { return bias() + float(n); }
 int biased_bits(float number) { return static_cast<int>(number - bias()); }
@@ -28,6 +29,9 @@ bool has_sign(float x) { return floatBitsToInt(x) < 0; }  // of -0 as well
 double power_of_two_above(double x) {
     uint exponent = unpackDouble2x32(x).y & 0x7FF00000u;
     return packDouble2x32(uvec2(0u, exponent + 0x00100000u));
+}
+double inverse_of_power(double power) {
+    return packDouble2x32(uvec2(0u, 0x7FE00000u - unpackDouble2x32(power).y));
 }
 
 // Biased numbers: whole numbers n, up to a million, as the floats bias() + n. Adding the bias to a float

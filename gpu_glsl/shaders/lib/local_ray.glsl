@@ -30,12 +30,14 @@ double sharp_dot(dvec3 a, dvec3 b) {
     return d;
 }
 
-// 1 / x to 2^-51 of it, without the division of doubles, for which GPUs have no unit: two of
-// Newton's steps from the float's. x: what a float can hold.
+// 1 / x to 2^-52 of it, without a division of doubles, for which GPUs have no unit: two of Newton's
+// steps from the float's.
 double inverse_of(double x) {
-    double about = double(1.0 / float(x));
-    about = about * (double(2.0) - x * about);
-    return about * (double(2.0) - x * about);
+    double scale = inverse_of_power(power_of_two_above(abs(x)));
+    double near_one = x * scale;
+    double about = double(1.0 / float(near_one));
+    about = about * (double(2.0) - near_one * about);
+    return (about * (double(2.0) - near_one * about)) * scale;
 }
 
 // The power of two by which the ray's direction is longer than one whose largest component is 1/2

@@ -10,12 +10,12 @@ const int kBvhNodeTexels = 4;
 const uint kBvhLeaf = 0x80000000u;
 const uint kBvhSlot = 16u;
 
-// What floats test (pack/barycentric_planes.h).
+// What floats test (pack/barycentric_planes.h), from the centre of the object's box.
 const int kBvhPlanesTexels = 3;
 
 // The corners, in the object's frame.
 const int kBvhTriangleTexels = 3;
 
 // As kInstanceRowTexels of grid_buffers_layout.h; then the lower and the upper corner of the object
-// in its frame.
-const int kBvhInstanceTexels = 8;
+// in its frame, and the centre of that box.
+const int kBvhInstanceTexels = 9;

@@ -1,13 +1,14 @@
 // Records of the two-level grid's buffers, in texels. One text for C++ and GLSL.
 #pragma once
 
-// Floats: lower corner, upper corner, edge lengths of a cell, cells per unit of length.
-const int kGridFrameTexels = 4;
+// Floats: lower and upper corner from the centre, edge lengths of a cell, cells per unit of length,
+// the centre.
+const int kGridFrameTexels = 5;
 
 // Integers: dims and the index of the first cell; then first triangle, 0, 0, 0.
 const int kGridNumberTexels = 2;
 
-// What floats test (pack/barycentric_planes.h).
+// What floats test (pack/barycentric_planes.h), from the centre of the object's grid.
 const int kPlanesTexels = 3;
 
 // The corners, in the frame of the object's grid.
@@ -19,6 +20,10 @@ const int kTriangleVertexTexels = 3;
 const uint kEmptyCell = 0x80000000u;
 const uint kEmptyCubeEdges0 = 0x05030201u;  // edges of codes 0 to 3, a byte each ...
 const uint kEmptyCubeEdges4 = 0x22150D08u;  // ... and 4 to 7
+
+// Lists hold what is within a pad of their cell; so many pads make a cell's edge
+// (core/grid/uniform_grid.h: kBinningPad).
+const int kListPadsACell = 512;
 
 // A word a reference: this bit says that the list goes on. (So a word of 0 ends it: that is what lanes
 // that are switched off read from storage blocks on a software renderer, while they run loops.)

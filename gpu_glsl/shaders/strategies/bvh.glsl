@@ -86,8 +86,9 @@ Course course_of(uint inst_id, LocalRay local, Ray ray, float t_last) {
     course.boxes = box_ray(org, dir, 4.0 * half_ulp() * largest(abs(org)) + kLostByMoving * far);
     double length = length_scale(local);
     course.length_of_t = float(length);
-    course.sight = Sight(org, vec3(local.dir * (double(1.0) / length)),
-                         greater(1.0, largest(abs(org))));
+    org = vec3(entering.org - dvec3(box.centre));
+    course.sight = Sight(org, vec3(local.dir * inverse_of_power(length)),
+                         greater(1.0, 2.0 * largest(abs(org))));
     return course;
 }
 

@@ -22,6 +22,7 @@
 #pragma once
 #include "lib/grid/walk.glsl"
 #include "lib/triangle/decide.glsl"
+#include "lib/triangle/rule_out.glsl"
 
 CONSTANT(bool, one_instance)  // then there is no top level
 
@@ -88,49 +89,53 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, Near
     int at = earlier.at;
     bool is_resumed = earlier.is_full;
     for (int steps = step_budget(grid); steps > 0; --steps) {
-        count_cell();
-        NOTE_CELL(inst_id, cell_of(grid, walk));
+        // On to the next full cell.
         uint cell = cell_word(cell_index(walk));
-        bool is_in_list = !is_empty_cell(cell);
-        if (is_in_list) {
-            if (!is_resumed) at = first_reference(cell);
-            is_resumed = false;
-            const int kMostReferences = 1 << 30;
-            for (int left = kMostReferences; left > 0; --left) {
-                uint reference = fetch_triangle_reference(at);
-                uint prim_id = referenced(reference);
-                NOTE_TEST(inst_id, prim_id);
-                Crossing crossing;
-                bool is_hit = may_cross(fetch_planes(grid, prim_id), sight, crossing) &&
-                              crossing.from <= bracket.to && crossing.to >= 0.0 &&
-                              prim_id != now.found && prim_id != now.open &&
-                              prim_id != now.other;
-                if (is_hit) {
-                    bool is_clear = crossing.is_sure && crossing.to < bracket.from && crossing.from > 0.0;
-                    if (is_clear) {
-                        now.found = prim_id;
-                        bracket = Bracket(crossing.from, crossing.to);
-                    } else if (now.open == kNoId) {
-                        now.open = prim_id;
-                    } else if (now.other == kNoId) {
-                        now.other = prim_id;
-                    } else {
-                        now.is_full = true;
-                        break;
-                    }
-                }
-                is_in_list = !is_last_reference(reference);
-                if (!is_in_list) break;
-                ++at;
-            }
-            if (is_in_list) break;  // to decide, or the driver ended the loop
+        for (; steps > 0; --steps) {
+            count_cell();
+            NOTE_CELL(inst_id, cell_of(grid, walk));
+            if (!is_empty_cell(cell)) break;
+            now.is_over = !leave_cells(walk, vec3(empty_cube(cell, octant)), min(end, bracket.to));
+            if (now.is_over) break;
+            cell = cell_word(cell_index(walk));
         }
-        vec3 behind = left_behind(walk, vec3(empty_cube(cell, octant)));
-        vec3 t_exit = exit_t(walk, behind);
-        float t = min(t_exit.x, min(t_exit.y, t_exit.z));
-        now.is_over = t >= min(end, bracket.to);
+        if (now.is_over || steps == 0) break;
+
+        // Its triangles.
+        if (!is_resumed) at = first_reference(cell);
+        is_resumed = false;
+        bool is_in_list = true;
+        const int kMostReferences = 1 << 30;
+        for (int left = kMostReferences; left > 0; --left) {
+            uint reference = fetch_triangle_reference(at);
+            uint prim_id = referenced(reference);
+            NOTE_TEST(inst_id, prim_id);
+            Crossing crossing;
+            bool is_hit = may_cross(fetch_planes(grid, prim_id), sight, crossing) &&
+                          crossing.from <= bracket.to && crossing.to >= 0.0 &&
+                          prim_id != now.found && prim_id != now.open && prim_id != now.other;
+            if (is_hit) {
+                bool is_clear = crossing.is_sure && crossing.to < bracket.from &&
+                                crossing.from > 0.0;
+                if (is_clear) {
+                    now.found = prim_id;
+                    bracket = Bracket(crossing.from, crossing.to);
+                } else if (now.open == kNoId) {
+                    now.open = prim_id;
+                } else if (now.other == kNoId) {
+                    now.other = prim_id;
+                } else {
+                    now.is_full = true;
+                    break;
+                }
+            }
+            is_in_list = !is_last_reference(reference);
+            if (!is_in_list) break;
+            ++at;
+        }
+        if (is_in_list) break;  // to decide, or the driver ended the loop
+        now.is_over = !leave_cells(walk, vec3(biased(1u)), min(end, bracket.to));
         if (now.is_over) break;
-        next_cell(t, t_exit, behind, walk);
     }
     now.left = walk.left;
     now.at = at;
@@ -181,7 +186,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
 // The part of the course within a cell of the top level that is widened as its lists are: what an
 // instance of this cell must be walked through for.
 Span span_in_cell(Grid grid, Course course, ivec3 cell) {
-    const float kPad = 0.001;  // kBinningPad of core/grid/uniform_grid.h
+    const float kPad = 1.0 / float(kListPadsACell);
     vec3 lower = grid.lower + (vec3(cell) - kPad) * grid.cell;
     vec3 upper = grid.lower + (vec3(cell) + (1.0 + kPad)) * grid.cell;
     return span_in_box(course.org, 1.0 / course.dir, lower, upper);
@@ -194,7 +199,7 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
     Walk walk = begin_walk(grid, course, 0.0);
     uint octant = octant_shift(walk);
     float end = lesser(course.leave, smallest(walk.t_leave));
-    double t_of_length = double(1.0) / course.length_of_t;
+    double t_of_length = inverse_of_power(course.length_of_t);
 
     bool done = false;
     for (int steps = step_budget(grid); steps > 0; --steps) {
@@ -221,12 +226,9 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
             }
         }
         if (!is_list_done) break;  // as above
-        vec3 behind = left_behind(walk, vec3(empty_cube(cell, octant)));
-        vec3 t_exit = exit_t(walk, behind);
-        float t = smallest(t_exit);
-        done = t >= lesser(end, bracket_of(t_along(course, nearest.t)).to);
+        float bound = lesser(end, bracket_of(t_along(course, nearest.t)).to);
+        done = !leave_cells(walk, vec3(empty_cube(cell, octant)), bound);
         if (done) break;
-        next_cell(t, t_exit, behind, walk);
     }
     if (!done) ray_flags |= kFlagExhausted;
 }

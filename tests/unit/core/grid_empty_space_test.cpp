@@ -65,8 +65,9 @@ void expect_cubes(const UniformGrid& grid, uint64_t stride = 1) {
     for (uint64_t i = 0; i < grid.cell_count(); i += stride) {
         const uvec3 cell(i % grid.dims.x, i / grid.dims.x % grid.dims.y,
                          i / (uint64_t{grid.dims.x} * grid.dims.y));
-        uint32_t expected = 0;
-        for (uint32_t octant = 0; octant < 8 && grid.cell_references(cell).empty(); ++octant) {
+        const bool is_empty = grid.cell_references(cell).empty();
+        uint32_t expected = is_empty ? kEmptyCellBit : 0;
+        for (uint32_t octant = 0; octant < 8 && is_empty; ++octant) {
             expected |= expected_code(grid, ivec3(cell), octant) << empty_cube_shift(octant);
         }
         wrong += codes[i] != expected;
@@ -79,6 +80,7 @@ TEST(EmptyCubes, are_as_large_as_fits_among_sparse_and_dense_cells) {
         expect_cubes(random_grid(uvec3(13, 11, 9), full, uint32_t(full)), full < 30 ? 13 : 1);
     }
     expect_cubes(random_grid(uvec3(60, 50, 41), 3, 1), 9973);
+    expect_cubes(random_grid(uvec3(200, 9, 7), 5, 2), 101);
 }
 
 TEST(EmptyCubes, are_found_in_grids_of_one_row_one_plane_and_one_cell) {

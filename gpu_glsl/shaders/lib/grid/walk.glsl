@@ -6,8 +6,8 @@
 //
 // Why no cell is lost. A grid is built with each triangle in all cells within kBinningPad of a cell
 // (core/grid/uniform_grid.h). The walk starts where the ray enters the grid, so that at any
-// computed t its position on each axis is known to 10 * 2^-24 of the grid's size there
-// (gpu_glsl/README.md adds it up): less than that pad up to 1,600 cells on an axis;
+// computed t its position on each axis is known to 20 * 2^-24 of the grid's size there
+// (gpu_glsl/README.md adds it up): less than that pad up to 1,638 cells on an axis;
 // core/grid/sizing.h stops at 1,024. So the cell where the walk is at any t names every triangle
 // that the ray meets there, and between two such places it was in the cube.
 #pragma once
@@ -23,7 +23,7 @@ struct Span {
 // The part of a ray that a walk may see: it begins where the ray enters the grid, and its t is a
 // length in the grid's frame, counted from there.
 struct Course {
-    vec3 org;
+    vec3 org;            // from the grid's centre
     vec3 dir;            // its largest component 1/2 to 1, none 0
     float start;         // t of the whole ray at the origin
     double length_of_t;  // the course's t that go into one of the ray's
@@ -69,12 +69,13 @@ Span span_in_box(vec3 org, vec3 inverse, vec3 lower, vec3 upper) {
 Course course_in(Grid grid, LocalRay ray, float t_first, float t_last) {
     Course course;
     course.length_of_t = length_scale(ray);
-    double t_of_length = double(1.0) / course.length_of_t;
+    double t_of_length = inverse_of_power(course.length_of_t);
     vec3 dir = vec3(ray.dir * t_of_length);
     course.dir = vec3(guarded(dir.x), guarded(dir.y), guarded(dir.z));
-    Span span = span_in_box(vec3(ray.org), 1.0 / course.dir, grid.lower, grid.upper);
+    LocalRay centred = LocalRay(ray.org - dvec3(grid.centre), ray.dir);
+    Span span = span_in_box(vec3(centred.org), 1.0 / course.dir, grid.lower, grid.upper);
     course.start = greater(t_first, float(double(span.enter) * t_of_length));
-    course.org = vec3(moved(ray, course.start).org);
+    course.org = vec3(moved(centred, course.start).org);
     course.leave = lesser(t_along(course, double(t_last)),
                           span.leave - float(double(course.start) * course.length_of_t));
     return course;
@@ -128,16 +129,6 @@ uint octant_shift(Walk walk) {
            (walk.stride.z < 0 ? 12u : 0u);
 }
 
-// How many cells are left, not biased, behind the box of cells that begins with the walk's and has
-// these edges, biased.
-vec3 left_behind(Walk walk, vec3 edges) {
-    PRECISE vec3 behind = walk.left - edges;
-    return behind;
-}
-
-// t on each axis where the ray comes to have that many cells left.
-vec3 exit_t(Walk walk, vec3 behind) { return walk.t_leave - behind * walk.t_edge; }
-
 // The cells left on an axis at t, where the ray leaves a box: those behind the box if it leaves it on
 // this axis, else no more than before: two axes could undo each other's steps by their rounding.
 float left_beside(float t, float t_exit, float behind, float left, float t_leave,
@@ -145,14 +136,21 @@ float left_beside(float t, float t_exit, float behind, float left, float t_leave
     return t_exit <= t ? behind + bias() : min(left, left_at(t, t_leave, cells_per_t));
 }
 
-// Leaves a box of cells at t, the smallest of t_exit, which is before the ray leaves the grid.
-void next_cell(float t, vec3 t_exit, vec3 behind, INOUT(Walk) walk) {
+// Leaves the box of cells that begins with the walk's and has these edges, biased. False if the ray
+// ends in it: at t = end, which is no later than where it leaves the grid.
+bool leave_cells(INOUT(Walk) walk, vec3 edges, float end) {
+    // What is left behind the box, not biased.
+    PRECISE vec3 behind = walk.left - edges;
+    vec3 t_exit = walk.t_leave - behind * walk.t_edge;
+    float t = min(t_exit.x, min(t_exit.y, t_exit.z));
+    if (t >= end) return false;
     walk.left = vec3(left_beside(t, t_exit.x, behind.x, walk.left.x, walk.t_leave.x,
                                  walk.cells_per_t.x),
                      left_beside(t, t_exit.y, behind.y, walk.left.y, walk.t_leave.y,
                                  walk.cells_per_t.y),
                      left_beside(t, t_exit.z, behind.z, walk.left.z, walk.t_leave.z,
                                  walk.cells_per_t.z));
+    return true;
 }
 
 // The walk's cell, counted from the grid's lower corner.

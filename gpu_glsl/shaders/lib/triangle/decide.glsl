@@ -48,9 +48,9 @@ SharpCorner sharp_corner(dvec3 org, double slope_x, double slope_y, int axis, ve
 }
 
 // Twice the area that the ray's point makes with an edge; 0 where it is no larger than it can be
-// wrong. x and y are wrong by 4 u of what they are made of (u = 2^-53; two differences, a quotient,
-// a product), so two products are by that of each factor times the other, and by their own
-// roundings: 16 u is twice that.
+// wrong. x and y are wrong by 6 u of what they are made of (u = 2^-53; two differences, an inverse and
+// a quotient, a product), so two products are by that of each factor times the other, and by their own
+// roundings: 14 u, and 16 u covers it.
 double sharp_edge(SharpCorner from, SharpCorner to) {
     const double kDoubt = double(1.7763568394002505e-15);  // 2^-49: 16 u
     PRECISE double w = to.at.x * from.at.y - to.at.y * from.at.x;

@@ -37,6 +37,7 @@ struct Node {
 struct Box {
     vec3 lower;
     vec3 upper;
+    vec3 centre;
 };
 
 vec3 corner_of(uint x, uint y, uint z) {
@@ -79,7 +80,8 @@ uint fetch_root(uint inst_id) { return FETCHBUFFER(bvh_roots, int(inst_id)).x; }
 
 Box fetch_object_box(uint inst_id) {
     int at = int(inst_id) * kBvhInstanceTexels + 6;
-    return Box(vec3(FETCHBUFFER(bvh_instances, at)), vec3(FETCHBUFFER(bvh_instances, at + 1)));
+    return Box(vec3(FETCHBUFFER(bvh_instances, at)), vec3(FETCHBUFFER(bvh_instances, at + 1)),
+               vec3(FETCHBUFFER(bvh_instances, at + 2)));
 }
 
 // The ray in the frame of the instance's object. The instance's place is taken off first, which

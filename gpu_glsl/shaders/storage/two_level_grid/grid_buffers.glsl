@@ -33,7 +33,8 @@ UNIFORM(vec3, top_cells_per_unit)
 UNIFORM(vec3, top_dims)
 
 struct Grid {
-    vec3 lower;          // corners of the whole grid, in its frame
+    vec3 centre;         // in its frame
+    vec3 lower;          // corners of the whole grid, from its centre
     vec3 upper;
     vec3 cell;           // edge lengths of a cell
     vec3 cells_per_unit;
@@ -46,13 +47,14 @@ Grid fetch_grid(int number) {
     int at = number * kGridFrameTexels;
     uvec4 dims = FETCHBUFFER(grid_numbers, number * kGridNumberTexels);
     uvec4 first = FETCHBUFFER(grid_numbers, number * kGridNumberTexels + 1);
-    return Grid(vec3(FETCHBUFFER(grid_frames, at)), vec3(FETCHBUFFER(grid_frames, at + 1)),
-                vec3(FETCHBUFFER(grid_frames, at + 2)), vec3(FETCHBUFFER(grid_frames, at + 3)),
+    return Grid(vec3(FETCHBUFFER(grid_frames, at + 4)), vec3(FETCHBUFFER(grid_frames, at)),
+                vec3(FETCHBUFFER(grid_frames, at + 1)), vec3(FETCHBUFFER(grid_frames, at + 2)),
+                vec3(FETCHBUFFER(grid_frames, at + 3)),
                 ivec3(int(dims.x), int(dims.y), int(dims.z)), int(dims.w), int(first.x));
 }
 
 Grid fetch_top_grid() {
-    return Grid(top_lower, top_upper, top_cell, top_cells_per_unit,
+    return Grid(vec3(0.0), top_lower, top_upper, top_cell, top_cells_per_unit,
                 ivec3(int(top_dims.x), int(top_dims.y), int(top_dims.z)), 0, 0);
 }
 

@@ -1,0 +1,110 @@
+// The grid's buffers: the same words whether objects share them or not, and no more memory on the
+// way than was promised.
+#include <algorithm>
+#include <cstdint>
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "compare/peak_memory.h"
+#include "core/grid/two_level_grid.h"
+#include "gpu_glsl/pack/two_level_buffers.h"
+#include "scenes/shapes.h"
+
+namespace onepass::test {
+namespace {
+
+#include "gpu_glsl/shaders/shared/grid_buffers_layout.h"
+
+constexpr TextureLimits kLimits;
+
+Scene scene_of(std::vector<Object> objects) {
+    Scene scene;
+    scene.objects = std::move(objects);
+    scene.materials = {Material{}};
+    for (uint32_t k = 0; k < scene.objects.size(); ++k) {
+        scene.instances.push_back(Instance{.name = "one", .object = k, .materials = {0}});
+    }
+    return scene;
+}
+
+TwoLevelBuffers packed(const Scene& scene, double density) {
+    return pack_two_level_buffers(scene,
+                                  build_two_level_grid(scene, {.object = {.density = density}}),
+                                  kLimits, BufferKind::texture);
+}
+
+TEST(GridBuffers, of_an_object_are_the_same_alone_and_behind_another) {
+    const std::vector<Object> objects = {make_box(4, 3, 5), make_sphere(30, 20)};
+    const TwoLevelBuffers first = packed(scene_of({objects[0]}), 16.0);
+    const TwoLevelBuffers alone = packed(scene_of({objects[1]}), 16.0);
+    const TwoLevelBuffers both = packed(scene_of(objects), 16.0);
+
+    const auto words_behind = [&](const char* name) {
+        const auto& words = both.inputs.texture(name).words;
+        const size_t before = first.inputs.texture(name).words.size();
+        return std::vector<uint32_t>(words.begin() + std::ptrdiff_t(before), words.end());
+    };
+    // Full cells begin behind the other's references; empty ones say the same.
+    std::vector<uint32_t> cells(alone.inputs.texture("cells").words.begin(),
+                                alone.inputs.texture("cells").words.end());
+    const auto moved = static_cast<uint32_t>(first.object_references);
+    size_t full = 0;
+    for (uint32_t& cell : cells) {
+        if ((cell & kEmptyCell) != 0) continue;
+        cell += moved;
+        ++full;
+    }
+    EXPECT_GT(full, 100u);
+    EXPECT_EQ(words_behind("cells"), cells);
+    const auto& references = alone.inputs.texture("references").words;
+    EXPECT_EQ(words_behind("references"),
+              std::vector<uint32_t>(references.begin(), references.end()));
+    const auto& corners = both.inputs.texture("triangles").texels;
+    const auto& own = alone.inputs.texture("triangles").texels;
+    EXPECT_TRUE(std::equal(own.begin(), own.end(), corners.end() - std::ptrdiff_t(own.size())));
+}
+
+TEST(GridBuffers, hold_each_cells_list_and_its_end) {
+    const Scene scene = scene_of({make_sphere(30, 20)});
+    const TwoLevelGrid grid = build_two_level_grid(scene, {.object = {.density = 16.0}});
+    const UniformGrid& object = grid.objects.front();
+    const TwoLevelBuffers buffers =
+        pack_two_level_buffers(scene, grid, kLimits, BufferKind::texture);
+    const auto& cells = buffers.inputs.texture("cells").words;
+    const auto& references = buffers.inputs.texture("references").words;
+    ASSERT_EQ(cells.size(), object.cell_count());
+    for (uint64_t i = 0; i < cells.size(); ++i) {
+        const uint32_t first = object.cell_begin[i];
+        const uint32_t end = object.cell_begin[i + 1];
+        ASSERT_EQ((cells[i] & kEmptyCell) != 0, first == end) << i;
+        if (first == end) continue;
+        ASSERT_EQ(cells[i], first);
+        for (uint32_t k = first; k < end; ++k) {
+            const uint32_t goes_on = k + 1 < end ? kMoreReferences : 0;
+            ASSERT_EQ(references[k], object.references[k] | goes_on) << i;
+        }
+    }
+}
+
+TEST(GridBuffers, take_at_their_peak_no_more_than_64_bytes_a_triangle_16_a_reference_8_a_cell) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    GTEST_SKIP() << "a sanitizer's memory counts too";
+#endif
+    if (!reset_peak_memory()) GTEST_SKIP() << "no peak of resident memory to be had";
+    const tbb::global_control few(tbb::global_control::max_allowed_parallelism, 4);
+    packed(scene_of({make_sphere(10, 10)}), 16.0);  // threads are there before
+    const Object ball = make_sphere(600, 301);
+    for (const size_t objects : {1, 3}) {
+        const Scene scene = scene_of(std::vector<Object>(objects, ball));
+        TwoLevelBuffers result;
+        const auto build = [&] { result = packed(scene, 16.0); };
+        const uint64_t peak = *peak_memory_of(build);
+        EXPECT_LE(peak, 64 * objects * ball.triangles.size() + 16 * result.object_references +
+                            8 * result.object_cells)
+            << objects << " objects";
+    }
+}
+
+}  // namespace
+}  // namespace onepass::test
