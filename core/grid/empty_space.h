@@ -15,7 +15,7 @@ namespace onepass {
 
 /// Edges of cubes that a code of three bits can say, in cells. Each is at most twice the one
 /// before: so the cubes of one edge, laid over each other, fill those of the next.
-inline constexpr std::array<uint8_t, 8> kEmptyCubeEdges = {1, 2, 3, 5, 8, 13, 21, 34};
+inline constexpr std::array<uint8_t, 8> kEmptyCubeEdges = {1, 2, 4, 7, 11, 16, 22, 29};
 
 /// The place of an octant's code in a cell's word, in bits. Octant: 1 for rays towards greater x,
 /// plus 2 for greater y, plus 4 for greater z.

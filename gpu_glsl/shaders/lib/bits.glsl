@@ -7,6 +7,7 @@ float infinity() { return std::numeric_limits<float>::infinity(); }
 float half_ulp() { return float(0.5) * std::numeric_limits<float>::epsilon(); }
 bool is_number(float x) { return !std::isnan(x); }
 bool is_finite(float x) { return std::isfinite(x); }
+bool is_finite(vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
 bool has_sign(float x) { return std::signbit(x); }
 double power_of_two_above(double x) {
     int exponent = 0;
@@ -24,6 +25,10 @@ float half_ulp() { return 5.9604644775390625e-8; }
 // Drivers turn comparisons round as if there were no NaN; bits they leave alone.
 bool is_number(float x) { return (floatBitsToUint(x) & 0x7FFFFFFFu) <= 0x7F800000u; }
 bool is_finite(float x) { return (floatBitsToUint(x) & 0x7F800000u) != 0x7F800000u; }
+bool is_finite(vec3 v) {
+    uvec3 size = floatBitsToUint(v) & 0x7FFFFFFFu;
+    return max(size.x, max(size.y, size.z)) < 0x7F800000u;
+}
 bool has_sign(float x) { return floatBitsToInt(x) < 0; }  // of -0 as well
 // The least power of two above a positive normal number.
 double power_of_two_above(double x) {
@@ -34,9 +39,8 @@ double inverse_of_power(double power) {
     return packDouble2x32(uvec2(0u, 0x7FE00000u - unpackDouble2x32(power).y));
 }
 
-// Biased numbers: whole numbers n, up to a million, as the floats bias() + n. Adding the bias to a float
-// rounds it to a whole number, and the bits of the sum are that number as an integer, but for a
-// constant: no conversion, for which a GPU has few units.
+// Biased numbers: whole numbers n, up to a million, as the floats bias() + n. Their bits are n as an
+// integer, but for a constant: no conversion, for which a GPU has few units.
 float bias() { return 8388608.0; }  // 2^23
 float biased(uint n) { return uintBitsToFloat(0x4B000000u + n); }
 int biased_bits(float number) { return floatBitsToInt(number); }  // kBitsOfBias + n

@@ -5,9 +5,10 @@
 #pragma once
 #include "lib/dialect.glsl"
 
+// (mix() with a bool selects one of two numbers; for ?: some drivers branch.)
 // A NaN in `b` loses, a NaN in `a` stays: the rule on which a traversal's NaN behaviour rests.
-float lesser(float a, float b) { return b < a ? b : a; }
-float greater(float a, float b) { return b > a ? b : a; }
+float lesser(float a, float b) { return mix(a, b, b < a); }
+float greater(float a, float b) { return mix(a, b, b > a); }
 
 vec3 lesser(vec3 a, vec3 b) { return vec3(lesser(a.x, b.x), lesser(a.y, b.y), lesser(a.z, b.z)); }
 vec3 greater(vec3 a, vec3 b) {

@@ -25,7 +25,6 @@ bool is_hit(Hit hit) { return hit.inst_id != kNoId; }
 
 // False for a ray that hits nothing by definition: a number that is none or not finite, a direction
 // of 0, a reversed interval.
-bool is_finite(vec3 v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
 bool is_traceable(Ray ray) {
     bool moves = ray.dir.x != 0.0 || ray.dir.y != 0.0 || ray.dir.z != 0.0;
     return is_finite(ray.org) && is_finite(ray.dir) && moves && is_finite(ray.tmin) &&

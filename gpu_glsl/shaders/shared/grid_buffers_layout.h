@@ -15,11 +15,9 @@ const int kPlanesTexels = 3;
 const int kTriangleVertexTexels = 3;
 
 // A word a cell. An empty one has this bit, and below it, for each octant of directions, the code of
-// the edge of an empty cube ahead (core/grid/empty_space.h). A full one is the index of its first
-// reference.
+// the edge of an empty cube ahead (core/grid/empty_space.h): 1 + code (code + 1) / 2. A full one is
+// the index of its first reference.
 const uint kEmptyCell = 0x80000000u;
-const uint kEmptyCubeEdges0 = 0x05030201u;  // edges of codes 0 to 3, a byte each ...
-const uint kEmptyCubeEdges4 = 0x22150D08u;  // ... and 4 to 7
 
 // Lists hold what is within a pad of their cell; so many pads make a cell's edge
 // (core/grid/uniform_grid.h: kBinningPad).

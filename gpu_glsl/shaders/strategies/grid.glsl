@@ -227,7 +227,8 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
         }
         if (!is_list_done) break;  // as above
         float bound = lesser(end, bracket_of(t_along(course, nearest.t)).to);
-        done = !leave_cells(walk, vec3(empty_cube(cell, octant)), bound);
+        float edge = mix(biased(1u), empty_cube(cell, octant), is_empty_cell(cell));
+        done = !leave_cells(walk, vec3(edge), bound);
         if (done) break;
     }
     if (!done) ray_flags |= kFlagExhausted;

@@ -51,7 +51,7 @@ struct Walk {
 // ray by nothing within the grid.
 float guarded(float d) {
     const float kLeast = 1.3552527156068805e-20;
-    return abs(d) < kLeast ? (d < 0.0 ? -kLeast : kLeast) : d;
+    return mix(d, mix(kLeast, -kLeast, d < 0.0), abs(d) < kLeast);
 }
 
 // Where the ray is in the box; enter > leave where it misses. The rounding of t is
@@ -83,17 +83,16 @@ Course course_in(Grid grid, LocalRay ray, float t_first, float t_last) {
 
 // How many cells are left at t, biased. A place on a plane is beyond it, but at the last.
 float left_at(float t, float t_leave, float cells_per_t) {
-    PRECISE float left = ((t_leave - t) * cells_per_t + (0.5 + half_ulp())) + bias();
-    return left;
+    return floor((t_leave - t) * cells_per_t) + (bias() + 1.0);
 }
 
 // Begins at t of the course.
 Walk begin_walk(Grid grid, Course course, float t) {
     Walk walk;
     vec3 inverse = 1.0 / course.dir;
-    vec3 far = vec3(course.dir.x < 0.0 ? grid.lower.x : grid.upper.x,
-                    course.dir.y < 0.0 ? grid.lower.y : grid.upper.y,
-                    course.dir.z < 0.0 ? grid.lower.z : grid.upper.z);
+    vec3 far = vec3(mix(grid.upper.x, grid.lower.x, course.dir.x < 0.0),
+                    mix(grid.upper.y, grid.lower.y, course.dir.y < 0.0),
+                    mix(grid.upper.z, grid.lower.z, course.dir.z < 0.0));
     walk.t_leave = (far - course.org) * inverse;
     walk.t_edge = grid.cell * abs(inverse);
     walk.cells_per_t = grid.cells_per_unit * abs(course.dir);
@@ -133,24 +132,22 @@ uint octant_shift(Walk walk) {
 // this axis, else no more than before: two axes could undo each other's steps by their rounding.
 float left_beside(float t, float t_exit, float behind, float left, float t_leave,
                   float cells_per_t) {
-    return t_exit <= t ? behind + bias() : min(left, left_at(t, t_leave, cells_per_t));
+    return mix(min(left, left_at(t, t_leave, cells_per_t)), behind + bias(), t_exit <= t);
 }
 
 // Leaves the box of cells that begins with the walk's and has these edges, biased. False if the ray
 // ends in it: at t = end, which is no later than where it leaves the grid.
 bool leave_cells(INOUT(Walk) walk, vec3 edges, float end) {
-    // What is left behind the box, not biased.
-    PRECISE vec3 behind = walk.left - edges;
+    vec3 behind = walk.left - edges;  // what is left behind the box, not biased
     vec3 t_exit = walk.t_leave - behind * walk.t_edge;
     float t = min(t_exit.x, min(t_exit.y, t_exit.z));
-    if (t >= end) return false;
     walk.left = vec3(left_beside(t, t_exit.x, behind.x, walk.left.x, walk.t_leave.x,
                                  walk.cells_per_t.x),
                      left_beside(t, t_exit.y, behind.y, walk.left.y, walk.t_leave.y,
                                  walk.cells_per_t.y),
                      left_beside(t, t_exit.z, behind.z, walk.left.z, walk.t_leave.z,
                                  walk.cells_per_t.z));
-    return true;
+    return t < end;
 }
 
 // The walk's cell, counted from the grid's lower corner.

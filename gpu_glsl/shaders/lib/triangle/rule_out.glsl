@@ -46,7 +46,6 @@ struct Crossing {
 // 48 u c; if not, t may be anything.
 bool may_cross(Planes planes, Sight sight, OUT(Crossing) crossing) {
     count_test();
-    crossing = Crossing(infinity(), infinity(), false);
     vec3 dir = sight.dir;
     vec3 org = sight.org;
     vec4 face = planes.face;
@@ -61,16 +60,12 @@ bool may_cross(Planes planes, Sight sight, OUT(Crossing) crossing) {
     float doubt = (22.0 * half_ulp()) * sight.reach;
     float least = min(u, min(v, w));
     float most = max(u, max(v, w));
-    if (least < -doubt && most > doubt) return false;
 
-    float c = abs(face.x) + abs(face.y) + abs(face.z);
-    float error = (12.0 * half_ulp()) * sight.reach * c;
+    float error = (12.0 * half_ulp()) * sight.reach * (abs(face.x) + abs(face.y) + abs(face.z));
     bool is_steep = abs(det) > 4.0 * error;
     float inverse = 1.0 / det;
-    float t = is_steep ? dist * inverse : 0.0;
-    error = is_steep ? error * (1.0 + abs(t)) * abs(inverse) : infinity();
-    crossing.is_sure = (least > doubt || most < -doubt) && !has_sign(face.w);
-    crossing.from = t - error;
-    crossing.to = t + error;
-    return true;
+    float t = mix(0.0, dist * inverse, is_steep);
+    error = mix(infinity(), error * (1.0 + abs(t)) * abs(inverse), is_steep);
+    crossing = Crossing(t - error, t + error, max(least, -most) > doubt && !has_sign(face.w));
+    return min(-least, most) <= doubt;
 }

@@ -64,13 +64,11 @@ uint top_cell_word(int index) { return FETCHBUFFER(top_cells, index).x; }
 
 bool is_empty_cell(uint cell) { return (cell & kEmptyCell) != 0u; }
 
-// The edge of the cube of empty cells that lies ahead of a ray, in cells, biased (lib/bits.glsl): 1
-// for a full cell. `octant_shift`: 3 times the octant of its direction.
+// The edge of the cube of empty cells that lies ahead of a ray in an empty one, in cells, biased
+// (lib/bits.glsl). `octant_shift`: 3 times the octant of its direction.
 float empty_cube(uint cell, uint octant_shift) {
     uint code = (cell >> octant_shift) & 7u;
-    uint edges = code < 4u ? kEmptyCubeEdges0 : kEmptyCubeEdges4;
-    uint edge = (edges >> (8u * (code & 3u))) & 255u;
-    return biased(is_empty_cell(cell) ? edge : 1u);
+    return biased(1u + ((code * (code + 1u)) >> 1u));
 }
 
 int first_reference(uint cell) { return int(cell); }
