@@ -34,7 +34,7 @@ class GpuTracer final : public Tracer {
             textures_.push_back(upload_texture(texture));
         }
         give_texels_back();
-        cast_program(false);
+        cast_program({});
     }
 
     const std::string& name() const override { return name_; }
@@ -187,17 +187,21 @@ class GpuTracer final : public Tracer {
 
     template <class F>
     void for_each_program(const F& f) {
-        for (std::optional<gl::Program>& program : cast_programs_) {
-            if (program) f(*program);
+        for (auto& programs_of_query : cast_programs_) {
+            for (std::optional<gl::Program>& program : programs_of_query) {
+                if (program) f(*program);
+            }
         }
         for (RenderVariant& variant : render_programs_) f(variant.program);
     }
 
-    gl::Program& cast_program(bool counters) {
-        std::optional<gl::Program>& program = cast_programs_[counters ? 1 : 0];
+    gl::Program& cast_program(const CastOptions& options) {
+        const bool any = options.query == Query::any && prepared_.answers_any();
+        std::optional<gl::Program>& program = cast_programs_[any ? 1 : 0][options.counters ? 1 : 0];
         if (!program) {
-            program = make_program(true, prepared_.constants(counters, nullptr),
-                                   counters ? nullptr : &cast_hash_);
+            program =
+                make_program(true, prepared_.constants(options.counters, nullptr, options.query),
+                             any || options.counters ? nullptr : &cast_hash_);
         }
         return *program;
     }
@@ -230,7 +234,7 @@ class GpuTracer final : public Tracer {
                                                 gl::TexelFormat::rgba32ui};
         if (options.counters) targets.push_back(gl::TexelFormat::rgba32ui);
         gl::Framebuffer framebuffer(chunk.width, chunk.height, targets);
-        gl::Program& program = cast_program(options.counters);
+        gl::Program& program = cast_program(options);
         program.set_texture("ray_origins", *chunk.origins);
         program.set_texture("ray_directions", *chunk.directions);
         add_time(gl::finish_and_time(context_, [&] { gl::draw_fullscreen(program, framebuffer); }),
@@ -242,7 +246,7 @@ class GpuTracer final : public Tracer {
 
     void cast_compute(const ChunkOnDevice& chunk, const CastOptions& options, CastResult& result) {
         const gl::Buffer hit_buffer("hits", chunk.count * sizeof(HitRecord));
-        gl::Program& program = cast_program(options.counters);
+        gl::Program& program = cast_program(options);
         program.set_buffer("RayBuffer", *chunk.buffer);
         program.set_buffer("HitBuffer", hit_buffer);
         program.set_uniform("ray_count", static_cast<int32_t>(chunk.count));
@@ -306,7 +310,8 @@ class GpuTracer final : public Tracer {
     gl::GlContext& context_;
     int glsl_version_;
     std::vector<gl::Texture> textures_;
-    std::optional<gl::Program> cast_programs_[2];  ///< without and with counters
+    /// For the nearest and for any hit, each without and with counters.
+    std::optional<gl::Program> cast_programs_[2][2];
     std::vector<RenderVariant> render_programs_;
     std::string cast_hash_;
 };

@@ -318,9 +318,16 @@ std::vector<std::string> PreparedStrategy::files_with(const std::string& entry_f
     return {fmt::format("storage/{}/{}.glsl", info.structure, storage), info.file, entry_file};
 }
 
+bool PreparedStrategy::answers_any() const {
+    return has(params, "any_hit") && params.integer("any_hit") == 1;
+}
+
 std::vector<gl::ShaderConstant> PreparedStrategy::constants(bool count_work,
-                                                            const SceneNeeds* needs) const {
-    std::vector<gl::ShaderConstant> all = {{"count_work", count_work}};
+                                                            const SceneNeeds* needs,
+                                                            Query query) const {
+    std::vector<gl::ShaderConstant> all = {{"count_work", count_work},
+                                           {"any_query", query == Query::any && answers_any()}};
+    if (!has(params, "any_hit")) all.push_back({"any_hit", 0});
     all.insert(all.end(), param_constants.begin(), param_constants.end());
     if (needs != nullptr) {
         for (gl::ShaderConstant& constant : shading_constants(*needs)) {

@@ -7,6 +7,7 @@
 //! gl: 4.0
 //! twin: yes
 //! default: no
+//! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
 
 // The other classical structure, in the same single pass and as clean as the grid, so that grid
 // against tree is a comparison of structures and of nothing else.
@@ -19,6 +20,7 @@
 //    average one or two a ray, double precision decides at once (lib/triangle/decide.glsl).
 #pragma once
 #include "lib/bvh/descent.glsl"
+#include "lib/query.glsl"
 #include "lib/triangle/decide.glsl"
 
 // False: one instance, and no tree over it.
@@ -48,8 +50,10 @@ void decide(LocalRay local, float start, Triangle triangle, uint inst_id, uint p
     NOTE_HIT(nearest.hit);
 }
 
-// The nearest hit's t, or the ray's end, counted from `start` and not rounded down.
+// The nearest hit's t, or the ray's end, counted from `start` and not rounded down. Nothing is
+// within it once a hit answers the ray.
 float bound_from(double start, Ray ray, Nearest nearest) {
+    if (any_hit_suffices && is_hit(nearest.hit)) return -infinity();
     const float kUp = 1.0000002384185791015625;  // 1 + 2^-22
     double end = nearest.t < double(ray.tmax) ? nearest.t : double(ray.tmax);
     return float(end - start) * kUp;

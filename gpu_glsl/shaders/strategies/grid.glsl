@@ -6,6 +6,7 @@
 //! entries: fragment compute
 //! gl: 4.3
 //! twin: yes
+//! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
 
 // A grid tracer that loses nothing and wastes little: the same two levels as the paper's, with every
 // place where rounding could lose, invent or swap a hit closed.
@@ -21,6 +22,7 @@
 // 6. Where it can have, doubles decide (lib/triangle/decide.glsl).
 #pragma once
 #include "lib/grid/walk.glsl"
+#include "lib/query.glsl"
 #include "lib/triangle/decide.glsl"
 
 CONSTANT(bool, one_instance)  // then there is no top level
@@ -34,6 +36,9 @@ struct Nearest {
 bool is_before(uint inst_id, uint prim_id, Hit other) {
     return inst_id < other.inst_id || (inst_id == other.inst_id && prim_id < other.prim_id);
 }
+
+// Whether what was found answers the ray, wherever the nearest hit may be.
+bool is_enough(Nearest nearest) { return any_hit_suffices && is_hit(nearest.hit); }
 
 // ---- The object level --------------------------------------------------------------------------
 
@@ -94,7 +99,8 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
         for (; steps > 0 && !is_over && !is_full;) {
             // The triangles of this cell.
             const int kMostReferences = 1 << 30;
-            for (int left = kMostReferences; left > 0 && is_in_list && !is_full; --left) {
+            for (int left = kMostReferences; left > 0 && is_in_list && !is_full && !is_over;
+                 --left) {
                 uint reference = fetch_triangle_reference(at);
                 uint prim_id = referenced(reference);
                 NOTE_TEST(inst_id, prim_id);
@@ -107,6 +113,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
                 if (is_hit && is_clear) {
                     found = prim_id;
                     bracket = Bracket(crossing.from, crossing.to);
+                    is_over = any_hit_suffices;
                 } else if (is_hit) {
                     is_full = open != kNoId;
                     if (!is_full) open = prim_id;
@@ -156,6 +163,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
         found = nearest.hit.inst_id == inst_id ? nearest.hit.prim_id : kNoId;
         open = kNoId;
         bracket = bracket_of(nearest.t, course.start);
+        is_over = is_over || is_enough(nearest);
     }
     if (!is_over) ray_flags |= kFlagExhausted;
 }
@@ -197,9 +205,11 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
                 walk_instance(referenced(reference), ray, course.start + span.enter - slack,
                               course.start + span.leave + slack, nearest);
                 is_list_done = is_last_reference(reference);
-                if (is_list_done) break;
+                done = is_enough(nearest);
+                if (is_list_done || done) break;
             }
         }
+        if (done) break;
         if (!is_list_done) break;  // as above
         ivec3 last = last_cell(walk, empty_cube(cell, octant));
         vec3 t_exit = exit_t(walk, last);
