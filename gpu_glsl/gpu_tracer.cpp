@@ -149,14 +149,14 @@ class GpuTracer final : public Tracer {
 
     // ---- Programs: one a variant ---------------------------------------------------------------
 
-    gl::Program make_program(bool cast, std::vector<gl::ShaderConstant> constants,
+    gl::Program make_program(bool cast, const std::vector<gl::ShaderConstant>& constants,
                              std::string* hash) {
         const bool fragment = entry_ == GpuEntry::fragment;
         std::vector<gl::ComposedShader> stages;
         stages.push_back(library_.compose({.glsl_version = glsl_version_,
                                            .stage = fragment ? "fragment" : "compute",
                                            .files = prepared_.files_with(entry_file(entry_, cast)),
-                                           .constants = std::move(constants)}));
+                                           .constants = constants}));
         if (hash != nullptr) *hash = stages.front().hash;
         if (fragment) {
             stages.push_back(library_.compose({.glsl_version = glsl_version_,
@@ -165,6 +165,14 @@ class GpuTracer final : public Tracer {
                                                .constants = {}}));
         }
         gl::Program program(name_, stages);
+        for (const gl::ShaderConstant& constant : constants) {
+            if (!constant.late) continue;
+            std::visit(
+                [&](auto value) {
+                    program.set_uniform(constant.name, value, gl::Missing::allowed);
+                },
+                constant.value);
+        }
         bind_inputs(program);
         return program;
     }

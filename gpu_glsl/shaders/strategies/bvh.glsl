@@ -8,6 +8,7 @@
 //! twin: yes
 //! default: no
 //! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
+//! param: specialise integer 1 leave out of the shader what the scene lacks; 0: one shader for all scenes
 
 // The other classical structure, in the same single pass and as clean as the grid, so that grid
 // against tree is a comparison of structures and of nothing else.
@@ -137,6 +138,7 @@ void walk_instance(uint inst_id, Ray ray, INOUT(Nearest) nearest) {
     stack_size = base;
 }
 
+#if NEEDS(has_top_level)
 // ---- The top level -----------------------------------------------------------------------------
 
 void walk_scene(Ray ray, INOUT(Nearest) nearest) {
@@ -165,15 +167,17 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
     }
     if (!done) ray_flags |= kFlagExhausted;
 }
+#endif
+
+// ---- The whole ray -----------------------------------------------------------------------------
 
 Hit closest_hit(Ray ray) {
     if (!is_traceable(ray)) return no_hit();
     Nearest nearest = Nearest(double(infinity()), no_hit());
     stack_size = 0;
-    if (has_top_level) {
-        walk_scene(ray, nearest);
-    } else {
-        walk_instance(0u, ray, nearest);
-    }
+    if (!has_top_level) walk_instance(0u, ray, nearest);
+#if NEEDS(has_top_level)
+    if (has_top_level) walk_scene(ray, nearest);
+#endif
     return nearest.hit;
 }

@@ -7,6 +7,7 @@
 //! gl: 4.3
 //! twin: yes
 //! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
+//! param: specialise integer 1 leave out of the shader what the scene lacks; 0: one shader for all scenes
 
 // A grid tracer that loses nothing and wastes little: the same two levels as the paper's, with every
 // place where rounding could lose, invent or swap a hit closed.
@@ -25,7 +26,7 @@
 #include "lib/query.glsl"
 #include "lib/triangle/decide.glsl"
 
-CONSTANT(bool, one_instance)  // then there is no top level
+CONSTANT(bool, has_top_level)  // false: one instance, and no grid over it
 
 // The nearest hit of the instances walked through so far.
 struct Nearest {
@@ -168,6 +169,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
     if (!is_over) ray_flags |= kFlagExhausted;
 }
 
+#if NEEDS(has_top_level)
 // ---- The top level -----------------------------------------------------------------------------
 
 // The part of the ray within a cell of the top level that is widened as its lists are: what an
@@ -220,15 +222,17 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
     }
     if (!done) ray_flags |= kFlagExhausted;
 }
+#endif
+
+// ---- The whole ray -----------------------------------------------------------------------------
 
 Hit closest_hit(Ray ray) {
     if (!is_traceable(ray)) return no_hit();
     Nearest nearest = Nearest(double(infinity()), no_hit());
-    if (one_instance) {
-        walk_instance(0u, ray, ray.tmin, ray.tmax, nearest);
-    } else {
-        walk_scene(ray, nearest);
-    }
+    if (!has_top_level) walk_instance(0u, ray, ray.tmin, ray.tmax, nearest);
+#if NEEDS(has_top_level)
+    if (has_top_level) walk_scene(ray, nearest);
+#endif
     if (is_hit(nearest.hit)) NOTE_HIT(nearest.hit);
     return nearest.hit;
 }
