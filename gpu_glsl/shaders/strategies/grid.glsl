@@ -6,6 +6,8 @@
 //! entries: fragment compute
 //! gl: 4.3
 //! twin: yes
+//! param: skip_empty integer 1 cross empty space at once; 0 walks it cell by cell
+//! param: decide choice(doubles,floats) doubles what decides where floats cannot tell; floats err
 //! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
 //! param: specialise integer 1 leave out of the shader what the scene lacks; 0: one shader for all scenes
 
@@ -25,8 +27,12 @@
 #include "lib/grid/walk.glsl"
 #include "lib/query.glsl"
 #include "lib/triangle/decide.glsl"
+#include "lib/triangle/decide_in_floats.glsl"
 
 CONSTANT(bool, has_top_level)  // false: one instance, and no grid over it
+CONSTANT(int, skip_empty)
+CONSTANT(int, decide)
+const int kInFloats = 1;  // of decide
 
 // The nearest hit of the instances walked through so far.
 struct Nearest {
@@ -37,6 +43,9 @@ struct Nearest {
 bool is_before(uint inst_id, uint prim_id, Hit other) {
     return inst_id < other.inst_id || (inst_id == other.inst_id && prim_id < other.prim_id);
 }
+
+// The edge of the empty cube that the ray may cross at once, in cells.
+int cube_ahead(uint cell, uint octant) { return skip_empty == 1 ? empty_cube(cell, octant) : 1; }
 
 // Whether what was found answers the ray, wherever the nearest hit may be.
 bool is_enough(Nearest nearest) { return any_hit_suffices && is_hit(nearest.hit); }
@@ -129,7 +138,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
             // On to the next cell that is full.
             bool is_empty = true;
             for (; steps > 0 && is_empty && !is_over; --steps) {
-                ivec3 last = last_cell(walk, empty_cube(cell, octant));
+                ivec3 last = last_cell(walk, cube_ahead(cell, octant));
                 vec3 t_exit = exit_t(walk, last);
                 is_over = !(smallest(t_exit) < lesser(end, bracket.to)) ||
                           !next_cell(grid, last, t_exit, walk);
@@ -152,8 +161,10 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
         for (int k = 0; k < questions; ++k) {
             uint prim_id = k == 0 && found != kNoId ? found : open;
             if (prim_id != kNoId) {
-                SharpHit sharp = sharp_hit(local, fetch_triangle(grid, prim_id));
-                double t = sharp.t + double(start);
+                Triangle triangle = fetch_triangle(grid, prim_id);
+                bool in_floats = decide == kInFloats;
+                SharpHit sharp = in_floats ? blunt_hit(sight, triangle) : sharp_hit(local, triangle);
+                double t = sharp.t + double(in_floats ? course.start : start);
                 if (sharp.is_hit && t >= double(ray.tmin) && t <= double(ray.tmax) &&
                     (t < nearest.t ||
                      (t == nearest.t && is_before(inst_id, prim_id, nearest.hit)))) {
@@ -213,7 +224,7 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
         }
         if (done) break;
         if (!is_list_done) break;  // as above
-        ivec3 last = last_cell(walk, empty_cube(cell, octant));
+        ivec3 last = last_cell(walk, cube_ahead(cell, octant));
         vec3 t_exit = exit_t(walk, last);
         float bound = bracket_of(nearest.t, course.start).to;
         done = !(smallest(t_exit) < lesser(course.leave, bound)) ||
