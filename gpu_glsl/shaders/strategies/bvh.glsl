@@ -8,7 +8,7 @@
 //! twin: yes
 //! default: no
 //! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
-//! param: specialise integer 1 leave out of the shader what the scene lacks; 0: one shader for all scenes
+//! param: specialise integer 1 leave out what the scene lacks; 0: one shader for all scenes
 
 // The other classical structure, in the same single pass and as clean as the grid, so that grid
 // against tree is a comparison of structures and of nothing else.

@@ -9,7 +9,7 @@
 //! param: skip_empty integer 1 cross empty space at once; 0 walks it cell by cell
 //! param: decide choice(doubles,floats) doubles what decides where floats cannot tell; floats err
 //! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
-//! param: specialise integer 1 leave out of the shader what the scene lacks; 0: one shader for all scenes
+//! param: specialise integer 1 leave out what the scene lacks; 0: one shader for all scenes
 
 // A grid tracer that loses nothing and wastes little: the same two levels as the paper's, with every
 // place where rounding could lose, invent or swap a hit closed.
@@ -163,7 +163,8 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
             if (prim_id != kNoId) {
                 Triangle triangle = fetch_triangle(grid, prim_id);
                 bool in_floats = decide == kInFloats;
-                SharpHit sharp = in_floats ? blunt_hit(sight, triangle) : sharp_hit(local, triangle);
+                SharpHit sharp =
+                    in_floats ? blunt_hit(sight, triangle) : sharp_hit(local, triangle);
                 double t = sharp.t + double(in_floats ? course.start : start);
                 if (sharp.is_hit && t >= double(ray.tmin) && t <= double(ray.tmax) &&
                     (t < nearest.t ||
