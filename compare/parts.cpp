@@ -68,6 +68,7 @@ void append_results(Results& results, const Results& part) {
     append(results.paces, part.paces);
     append(results.growth_builds, part.growth_builds);
     append(results.growth_traces, part.growth_traces);
+    append(results.ablations, part.ablations);
 }
 
 }  // namespace onepass

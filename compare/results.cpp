@@ -232,12 +232,21 @@ void fields(A& a, GrowthTrace& g) {
 }
 
 template <class A>
+void fields(A& a, AblationRecord& r) {
+    a("scene", r.scene), a("work", r.work), a("tracer", r.tracer), a("without", r.without);
+    a("setting", r.setting), a("rays", r.rays), a("errors", r.errors), a("edges", r.edges);
+    a("wall_ms", r.wall_ms), a("device_ms", r.device_ms), a("ratio", r.ratio);
+    a("ratio_low", r.ratio_low), a("ratio_high", r.ratio_high), a("failure", r.failure);
+}
+
+template <class A>
 void fields(A& a, Results& r) {
     a("manifest", r.manifest), a("scenes", r.scenes), a("tracers", r.tracers);
     a("checks", r.checks), a("images", r.images), a("timings", r.timings);
     a("frame_timings", r.frame_timings), a("claims", r.claims), a("sweeps", r.sweeps);
     a("ladders", r.ladders), a("tradeoffs", r.tradeoffs), a("paces", r.paces);
     a("growth_builds", r.growth_builds), a("growth_traces", r.growth_traces);
+    a("ablations", r.ablations);
 }
 
 // Enumerations are written as their names.
@@ -509,7 +518,7 @@ void upgrade(json& document) {
 
 /// Lists that version 3 gained after its first files: those have none of them.
 void add_later_lists(json& document) {
-    for (const char* list : {"paces", "growth_builds", "growth_traces"}) {
+    for (const char* list : {"paces", "growth_builds", "growth_traces", "ablations"}) {
         if (!document.contains(list)) document[list] = json::array();
     }
 }

@@ -361,6 +361,25 @@ struct GrowthTrace {
     uint64_t edges = 0;
 };
 
+/// A strategy as it is, or with one of its steps taken out, on one kind of work.
+struct AblationRecord {
+    std::string scene;
+    std::string work;     ///< the ray kind, or "image"
+    std::string tracer;   ///< strategy/storage/entry
+    std::string without;  ///< the step that is taken out; empty: the strategy as it is
+    std::string setting;  ///< how: parameters as in RungRecord, or another storage
+    uint64_t rays = 0;    ///< cast; of an image, pixels
+    uint64_t errors = 0;  ///< CheckRecord::errors(); of an image, pixels unlike the strategy's as
+                          ///< it is
+    uint64_t edges = 0;
+    std::vector<double> wall_ms;
+    std::vector<double> device_ms;  ///< empty where the device has no timer to trust
+    double ratio = 0.0;  ///< speed relative to the strategy as it is; by device_ms where there is
+    double ratio_low = 0.0;  ///< 95 % bootstrap interval
+    double ratio_high = 0.0;
+    std::string failure;  ///< why it could not be made; else empty
+};
+
 struct Results {
     static constexpr int kSchemaVersion = 3;
     Manifest manifest;
@@ -377,6 +396,7 @@ struct Results {
     std::vector<PaceRecord> paces;
     std::vector<GrowthBuild> growth_builds;
     std::vector<GrowthTrace> growth_traces;
+    std::vector<AblationRecord> ablations;
 };
 
 /// JSON text of a run. Infinities are the strings "inf" and "-inf", NaN is null; all else reads

@@ -34,7 +34,7 @@ class GpuTracer final : public Tracer {
             textures_.push_back(upload_texture(texture));
         }
         give_texels_back();
-        cast_program(false);
+        cast_program({});
     }
 
     const std::string& name() const override { return name_; }
@@ -149,14 +149,14 @@ class GpuTracer final : public Tracer {
 
     // ---- Programs: one a variant ---------------------------------------------------------------
 
-    gl::Program make_program(bool cast, std::vector<gl::ShaderConstant> constants,
+    gl::Program make_program(bool cast, const std::vector<gl::ShaderConstant>& constants,
                              std::string* hash) {
         const bool fragment = entry_ == GpuEntry::fragment;
         std::vector<gl::ComposedShader> stages;
         stages.push_back(library_.compose({.glsl_version = glsl_version_,
                                            .stage = fragment ? "fragment" : "compute",
                                            .files = prepared_.files_with(entry_file(entry_, cast)),
-                                           .constants = std::move(constants)}));
+                                           .constants = constants}));
         if (hash != nullptr) *hash = stages.front().hash;
         if (fragment) {
             stages.push_back(library_.compose({.glsl_version = glsl_version_,
@@ -165,6 +165,14 @@ class GpuTracer final : public Tracer {
                                                .constants = {}}));
         }
         gl::Program program(name_, stages);
+        for (const gl::ShaderConstant& constant : constants) {
+            if (!constant.late) continue;
+            std::visit(
+                [&](auto value) {
+                    program.set_uniform(constant.name, value, gl::Missing::allowed);
+                },
+                constant.value);
+        }
         bind_inputs(program);
         return program;
     }
@@ -187,17 +195,21 @@ class GpuTracer final : public Tracer {
 
     template <class F>
     void for_each_program(const F& f) {
-        for (std::optional<gl::Program>& program : cast_programs_) {
-            if (program) f(*program);
+        for (auto& programs_of_query : cast_programs_) {
+            for (std::optional<gl::Program>& program : programs_of_query) {
+                if (program) f(*program);
+            }
         }
         for (RenderVariant& variant : render_programs_) f(variant.program);
     }
 
-    gl::Program& cast_program(bool counters) {
-        std::optional<gl::Program>& program = cast_programs_[counters ? 1 : 0];
+    gl::Program& cast_program(const CastOptions& options) {
+        const bool any = options.query == Query::any && prepared_.answers_any();
+        std::optional<gl::Program>& program = cast_programs_[any ? 1 : 0][options.counters ? 1 : 0];
         if (!program) {
-            program = make_program(true, prepared_.constants(counters, nullptr),
-                                   counters ? nullptr : &cast_hash_);
+            program =
+                make_program(true, prepared_.constants(options.counters, nullptr, options.query),
+                             any || options.counters ? nullptr : &cast_hash_);
         }
         return *program;
     }
@@ -230,7 +242,7 @@ class GpuTracer final : public Tracer {
                                                 gl::TexelFormat::rgba32ui};
         if (options.counters) targets.push_back(gl::TexelFormat::rgba32ui);
         gl::Framebuffer framebuffer(chunk.width, chunk.height, targets);
-        gl::Program& program = cast_program(options.counters);
+        gl::Program& program = cast_program(options);
         program.set_texture("ray_origins", *chunk.origins);
         program.set_texture("ray_directions", *chunk.directions);
         add_time(gl::finish_and_time(context_, [&] { gl::draw_fullscreen(program, framebuffer); }),
@@ -242,7 +254,7 @@ class GpuTracer final : public Tracer {
 
     void cast_compute(const ChunkOnDevice& chunk, const CastOptions& options, CastResult& result) {
         const gl::Buffer hit_buffer("hits", chunk.count * sizeof(HitRecord));
-        gl::Program& program = cast_program(options.counters);
+        gl::Program& program = cast_program(options);
         program.set_buffer("RayBuffer", *chunk.buffer);
         program.set_buffer("HitBuffer", hit_buffer);
         program.set_uniform("ray_count", static_cast<int32_t>(chunk.count));
@@ -306,7 +318,8 @@ class GpuTracer final : public Tracer {
     gl::GlContext& context_;
     int glsl_version_;
     std::vector<gl::Texture> textures_;
-    std::optional<gl::Program> cast_programs_[2];  ///< without and with counters
+    /// For the nearest and for any hit, each without and with counters.
+    std::optional<gl::Program> cast_programs_[2][2];
     std::vector<RenderVariant> render_programs_;
     std::string cast_hash_;
 };

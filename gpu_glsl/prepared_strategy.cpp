@@ -112,6 +112,27 @@ double positive(const Params& params, const std::string& name) {
 
 bool has(const Params& params, const std::string& name) { return params.values().contains(name); }
 
+/// Whether the shader may leave out what the scene lacks.
+bool specialises(const Params& params) {
+    return !has(params, "specialise") || params.integer("specialise") == 1;
+}
+
+/// A constant of the shader that holds the top level or does not.
+gl::ShaderConstant has_top_level(const PreparedStrategy& prepared) {
+    return {"has_top_level", prepared.scene->instances.size() > 1 || !specialises(prepared.params)};
+}
+
+/// What a frame needs, for one shader that serves scenes of every kind: it holds all that any of
+/// them needs, and learns of this one at run time.
+std::vector<gl::ShaderConstant> for_all_scenes(std::vector<gl::ShaderConstant> constants) {
+    for (gl::ShaderConstant& constant : constants) {
+        const std::string& name = constant.name;
+        if (name == "has_several_lights" || name == "has_mirrors") constant.value = true;
+        constant.late = name == "light_count" || name == "max_depth" || name == "shadows";
+    }
+    return constants;
+}
+
 AddressWidth address_width(const Params& params) {
     const std::string& text = params.text("address");
     if (text == "half") return AddressWidth::half;
@@ -223,7 +244,7 @@ void pack_grid_as(PreparedStrategy& prepared, const TextureLimits& limits, Buffe
         prepared.moving.emplace<MovingTopBuffers>(prepared.scene, sizing.top, packed, limits);
     }
     add_packed(prepared, packed);
-    prepared.param_constants.push_back({"one_instance", prepared.scene->instances.size() == 1});
+    prepared.param_constants.push_back(has_top_level(prepared));
 }
 
 void pack_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
@@ -263,7 +284,7 @@ void pack_bvh(PreparedStrategy& prepared, const TextureLimits& limits) {
     BvhBuffers packed = pack_bvh_buffers(*prepared.scene, bvh, limits);
     prepared.stats = {{"build_ms", bvh.build_ms, "both levels, all threads"},
                       {"pack_ms", ms_since(start), ""}};
-    prepared.param_constants.push_back({"has_top_level", prepared.scene->instances.size() > 1});
+    prepared.param_constants.push_back(has_top_level(prepared));
     add_packed(prepared, packed);
 }
 
@@ -327,14 +348,21 @@ std::vector<std::string> PreparedStrategy::files_with(const std::string& entry_f
     return {fmt::format("storage/{}/{}.glsl", info.structure, storage), info.file, entry_file};
 }
 
+bool PreparedStrategy::answers_any() const {
+    return has(params, "any_hit") && params.integer("any_hit") == 1;
+}
+
 std::vector<gl::ShaderConstant> PreparedStrategy::constants(bool count_work,
-                                                            const SceneNeeds* needs) const {
-    std::vector<gl::ShaderConstant> all = {{"count_work", count_work}};
+                                                            const SceneNeeds* needs,
+                                                            Query query) const {
+    std::vector<gl::ShaderConstant> all = {{"count_work", count_work},
+                                           {"any_query", query == Query::any && answers_any()}};
+    if (!has(params, "any_hit")) all.push_back({"any_hit", 0});
     all.insert(all.end(), param_constants.begin(), param_constants.end());
     if (needs != nullptr) {
-        for (gl::ShaderConstant& constant : shading_constants(*needs)) {
-            all.push_back(std::move(constant));
-        }
+        std::vector<gl::ShaderConstant> shading = shading_constants(*needs);
+        if (!specialises(params)) shading = for_all_scenes(std::move(shading));
+        std::move(shading.begin(), shading.end(), std::back_inserter(all));
     }
     return all;
 }

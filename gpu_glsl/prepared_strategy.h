@@ -32,9 +32,14 @@ struct PreparedStrategy {
     /// The roots of a shader: storage, strategy, then the entry.
     std::vector<std::string> files_with(const std::string& entry_file) const;
 
+    /// Whether the strategy answers Query::any otherwise than by the nearest hit: it has the
+    /// parameter `any_hit`, and that is on.
+    bool answers_any() const;
+
     /// All constants of a variant. `needs`: what the frame asks for; nullptr for `cast`, which
-    /// shades nothing.
-    std::vector<gl::ShaderConstant> constants(bool count_work, const SceneNeeds* needs) const;
+    /// shades nothing. `query`: what all rays of a cast ask; those of a frame differ.
+    std::vector<gl::ShaderConstant> constants(bool count_work, const SceneNeeds* needs,
+                                              Query query = Query::closest) const;
 };
 
 /// The parameters a user may set: those of the structure, of the storage and of the strategy.

@@ -56,7 +56,7 @@ class TwinTracer final : public Tracer {
 
         // The whole text is compiled at once, shading included, so it wants all its values.
         const SceneNeeds needs = scene_needs(*prepared_.scene, {});
-        const auto constants = prepared_.constants(options.counters, &needs);
+        const auto constants = prepared_.constants(options.counters, &needs, options.query);
         const auto uniforms = camera_uniforms({});
         const twin::Bindings bindings(prepared_.inputs, uniforms, constants);
         constexpr size_t kGrain = 1024;

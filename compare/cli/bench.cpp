@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "compare/atomic_file.h"
+#include "compare/cli/bench_ablation.h"
 #include "compare/cli/bench_settings.h"
 #include "compare/cli/commands.h"
 #include "compare/cli/options.h"
@@ -27,6 +28,7 @@ struct BenchCommand {
     double enough_s = 5.0;
     bool settings = false;
     std::string entry = "fragment";
+    std::string ablate;
     std::string json;
 };
 
@@ -212,6 +214,15 @@ void add_bench(CLI::App& app, Session& session) {
                                fmt::join(kSettingsKinds, ","), kSettingsSize))
         ->excludes("--strategy")
         ->excludes("--param");
+    command
+        ->add_option("--ablate", options->ablate,
+                     fmt::format("What each step of this strategy is worth: as it is, and with one "
+                                 "step taken out at a time; unless given, rays {}",
+                                 fmt::join(kAblationKinds, ",")))
+        ->type_name("NAME")
+        ->excludes("--strategy")
+        ->excludes("--param")
+        ->excludes("--settings");
     command->add_option("--entry", options->entry, "Of --settings: fragment or compute")
         ->check(CLI::IsMember({"fragment", "compute"}))
         ->needs("--settings")
@@ -235,6 +246,7 @@ void add_bench(CLI::App& app, Session& session) {
         ->type_name("NAME")
         ->allow_extra_args(false)
         ->excludes("--settings")
+        ->excludes("--ablate")
         ->capture_default_str();
     command
         ->add_option("--warm-up", options->timing.warm_up_ms,
@@ -245,6 +257,11 @@ void add_bench(CLI::App& app, Session& session) {
     command->add_option("--json", options->json, "Writes the results; '-' is standard output")
         ->type_name("FILE");
     command->callback([&session, options, command] {
+        if (!options->ablate.empty()) {
+            if (command->count("--rays") == 0) options->rays.kinds = kAblationKinds;
+            return bench_ablation(session, {options->scenes, options->ablate, options->rays,
+                                            options->timing, options->json});
+        }
         if (!options->settings) return run(session, *options);
         if (command->count("--rays") == 0) options->rays.kinds = kSettingsKinds;
         if (command->count("--size") == 0) options->rays.size = kSettingsSize;

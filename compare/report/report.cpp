@@ -108,6 +108,7 @@ std::string render_report(const std::vector<Results>& runs,
     add("ladders", "Ladders", ladder_section(dossier));
     add("tradeoff", "Speed and accuracy", tradeoff_section(dossier));
     add("speed", "Speed", speed_section(dossier));
+    add("ablations", "Ablations", ablation_section(dossier));
     add("grid-size", "Grid size", sweep_section(dossier));
     add("growth", "Growth", growth_section(dossier));
     add("structures", "Structures", structure_section(dossier));

@@ -53,6 +53,9 @@ std::string speed_section(const Dossier& dossier);
 /// Time, cells and tests per ray and memory against grid density.
 std::string sweep_section(const Dossier& dossier);
 
+/// What each step of a strategy is worth: the strategy as it is, and with each step taken out.
+std::string ablation_section(const Dossier& dossier);
+
 /// How build time, memory and trace time grow: charts, exponents, all sizes.
 std::string growth_section(const Dossier& dossier);
 

@@ -37,7 +37,9 @@ std::string float_literal(float value) {
 /// Collects one stage's lines and where each comes from. File 0 is what C++ writes.
 class Composition {
   public:
-    explicit Composition(const std::map<std::string, std::string>& library) : library_(library) {}
+    Composition(const std::map<std::string, std::string>& library,
+                const std::vector<ShaderConstant>& constants)
+        : library_(library), constants_(constants) {}
 
     /// A line that C++ writes.
     void add_generated(const std::string& text) { head_.push_back({text, 0, ++generated_lines_}); }
@@ -83,12 +85,16 @@ class Composition {
         body_.push_back({fmt::format("// ---- {}", path), file, 1});
         std::istringstream stream(text);
         uint32_t number = 0;
+        Conditions conditions;
         for (std::string row; std::getline(stream, row);) {
             ++number;
             std::smatch match;
             const bool directive = row.find('#') != std::string::npos;
+            const auto place = [&] { return fmt::format("{}:{}", path, number); };
+            if (directive && resolve(row, place(), conditions)) continue;
+            if (!conditions.empty() && !conditions.back().keeps) continue;
             if (directive && std::regex_match(row, match, kInclude)) {
-                append(match[1], fmt::format("{}:{}", path, number));
+                append(match[1], place());
                 body_.push_back(
                     {fmt::format("// ---- {}, line {}", path, number + 1), file, number});
             } else if (directive && std::regex_match(row, kExtension)) {
@@ -98,6 +104,64 @@ class Composition {
                 body_.push_back({row, file, number});
             }
         }
+        if (!conditions.empty()) {
+            fail(conditions.back().place, "an #if without its #endif",
+                 "an #endif in the same file");
+        }
+    }
+
+    /// An `#if` of the file being read that is not closed yet.
+    struct Condition {
+        std::string place;
+        bool resolved = false;  ///< a NEEDS: it does not appear in the text
+        bool keeps = true;      ///< the lines of the side being read
+    };
+    using Conditions = std::vector<Condition>;
+
+    /// Follows the conditions of a file. True if the line is part of a NEEDS, and so is left out.
+    bool resolve(const std::string& row, const std::string& place, Conditions& conditions) const {
+        static const std::regex kNeeds(R"(\s*#\s*if\s+NEEDS\(\s*(\w+)\s*\)\s*(//.*)?)");
+        static const std::regex kIf(R"(\s*#\s*if.*)");
+        static const std::regex kElse(R"(\s*#\s*else\b.*)");
+        static const std::regex kEndif(R"(\s*#\s*endif\b.*)");
+        std::smatch match;
+        const bool outer = conditions.empty() || conditions.back().keeps;
+        if (std::regex_match(row, match, kNeeds)) {
+            conditions.push_back({place, true, outer && is_needed(match[1], place)});
+            return true;
+        }
+        if (std::regex_match(row, kIf)) {
+            conditions.push_back({place, false, outer});
+            return false;
+        }
+        const bool is_else = std::regex_match(row, kElse);
+        const bool is_endif = std::regex_match(row, kEndif);
+        if (!is_else && !is_endif) return false;
+        if (conditions.empty()) fail(place, "no #if that this belongs to", "one in the same file");
+        const bool resolved = conditions.back().resolved;
+        if (is_endif) {
+            conditions.pop_back();
+        } else if (resolved) {
+            const bool enclosing = conditions.size() < 2 || conditions.end()[-2].keeps;
+            conditions.back().keeps = enclosing && !conditions.back().keeps;
+        }
+        return resolved;
+    }
+
+    bool is_needed(const std::string& name, const std::string& place) const {
+        const auto found = std::ranges::find(constants_, name, &ShaderConstant::name);
+        if (found == constants_.end() || !std::holds_alternative<bool>(found->value)) {
+            fail(place, fmt::format("NEEDS({})", name), "a constant of type bool of this variant");
+        }
+        return std::get<bool>(found->value);
+    }
+
+    [[noreturn]] static void fail(const std::string& place, const std::string& got,
+                                  const std::string& expected) {
+        throw Error({.where = place,
+                     .got = got,
+                     .expected = expected,
+                     .remedy = "Mend the file; lib/dialect.glsl says what NEEDS is."});
     }
 
     std::vector<std::string> known_files() const {
@@ -107,6 +171,7 @@ class Composition {
     }
 
     const std::map<std::string, std::string>& library_;
+    const std::vector<ShaderConstant>& constants_;
     std::vector<std::string> files_ = {kGeneratedBlock};
     std::vector<Row> head_;  ///< `#version`, `#extension` lines, constants
     std::vector<Row> body_;
@@ -143,19 +208,18 @@ bool parse_message(const ComposedShader& shader, const std::string& line, Driver
 
 std::string to_glsl(const ShaderConstant& constant) {
     struct Printer {
-        const std::string& name;
-        std::string operator()(bool v) const { return fmt::format("const bool {} = {};", name, v); }
-        std::string operator()(int32_t v) const {
-            return fmt::format("const int {} = {};", name, v);
-        }
-        std::string operator()(uint32_t v) const {
-            return fmt::format("const uint {} = {}u;", name, v);
-        }
-        std::string operator()(float v) const {
-            return fmt::format("const float {} = {};", name, float_literal(v));
+        const ShaderConstant& constant;
+        std::string operator()(bool v) const { return declared("bool", fmt::format("{}", v)); }
+        std::string operator()(int32_t v) const { return declared("int", fmt::format("{}", v)); }
+        std::string operator()(uint32_t v) const { return declared("uint", fmt::format("{}u", v)); }
+        std::string operator()(float v) const { return declared("float", float_literal(v)); }
+
+        std::string declared(const char* type, const std::string& value) const {
+            return constant.late ? fmt::format("uniform {} {};", type, constant.name)
+                                 : fmt::format("const {} {} = {};", type, constant.name, value);
         }
     };
-    return std::visit(Printer{constant.name}, constant.value);
+    return std::visit(Printer{constant}, constant.value);
 }
 
 std::string fnv1a_hex(std::string_view text) {
@@ -196,7 +260,7 @@ ShaderLibrary ShaderLibrary::from_directory(const std::filesystem::path& root) {
 }
 
 ComposedShader ShaderLibrary::compose(const ShaderVariant& variant) const {
-    Composition composition(files_);
+    Composition composition(files_, variant.constants);
     composition.add_generated(fmt::format("#version {} core", variant.glsl_version));
     for (const ShaderConstant& constant : variant.constants) {
         composition.add_generated(to_glsl(constant));

@@ -21,6 +21,7 @@ namespace onepass::gl {
 struct ShaderConstant {
     std::string name;
     std::variant<bool, int32_t, uint32_t, float> value;
+    bool late = false;  ///< `uniform int light_count;`: the program is given the value
 
     bool operator==(const ShaderConstant&) const = default;
 };
@@ -82,12 +83,13 @@ class ShaderLibrary {
     const std::map<std::string, std::string>& files() const { return files_; }
 
     /// Joins `#version`, `#extension` lines, the constants and the files, following `#include
-    /// "path"` (relative to the shader root, each file once).
+    /// "path"` (relative to the shader root, each file once). Of `#if NEEDS(name)`, `#else`,
+    /// `#endif` it keeps the side that the constant `name` says, and not the other one's includes.
     ///
     /// Places are kept beside the text, not in it as `#line`: Mesa forgets a `#line`'s
     /// source-string number in all but syntax errors, and so a driver's line is the line that
     /// `onepass shader` prints. Throws: Error with file:line for an #include of a file that does
-    /// not exist.
+    /// not exist, a NEEDS of what is no constant of type bool, or one without its #endif.
     ComposedShader compose(const ShaderVariant& variant) const;
 
     /// Every strategies/NAME.glsl, sorted by name.

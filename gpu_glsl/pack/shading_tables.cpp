@@ -148,6 +148,8 @@ ShaderInputs pack_shading_tables(const Scene& scene, bool smooth_normals,
 std::vector<gl::ShaderConstant> shading_constants(const SceneNeeds& needs) {
     return {{"light_count", static_cast<int32_t>(needs.light_count)},
             {"max_depth", static_cast<int32_t>(needs.max_depth)},
+            {"has_several_lights", needs.light_count > 1},
+            {"has_mirrors", needs.max_depth > 0},
             {"shadows", needs.shadows},
             {"smooth_normals", needs.smooth_normals}};
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <map>
 #include <string>
 
 #include <fcntl.h>
@@ -11,6 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "compare/ablation.h"
 #include "compare/npy.h"
 #include "compare/results.h"
 #include "core/io/load.h"
@@ -592,6 +594,34 @@ TEST(Bench, of_settings_judges_every_answer_and_marks_the_front) {
     EXPECT_GT(slack, 0u) << "triangles in 16 bits leave holes";
     EXPECT_NE(outcome.out.find("* on the Pareto front"), std::string::npos);
     EXPECT_NE(outcome.out.find("geometry=half"), std::string::npos);
+}
+
+TEST(Bench, of_a_strategys_steps_times_it_as_it_is_and_without_each_of_them) {
+    const TemporaryFolder folder;
+    const Outcome outcome =
+        onepass_in(folder, {"bench", "knife", "--ablate", "grid/buffer/compute", "--rays", "shadow",
+                            "--rays", "image", "--size", "32x32", "--warm-up", "0", "--repetitions",
+                            "9", "--json", "run.json"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const Results results = read_results(folder.path() / "run.json");
+    ASSERT_GE(results.ablations.size(), 4u);
+    EXPECT_EQ(results.ablations[0].setting, "");
+    EXPECT_EQ(results.ablations[0].ratio, 1.0);
+    EXPECT_EQ(results.ablations[1].setting, "") << "the same again, to see what can be told apart";
+    std::map<std::string, uint64_t> errors;
+    for (const AblationRecord& record : results.ablations) {
+        EXPECT_EQ(record.failure, "") << record.setting;
+        EXPECT_EQ(record.wall_ms.size(), 9u) << record.setting;
+        errors[record.setting] += record.errors;
+    }
+    EXPECT_EQ(errors.size(), 1 + ablation_steps("grid").size());
+    for (const char* clean : {"", "skip_empty=0", "any_hit=0", "specialise=0", "ssbo"}) {
+        ASSERT_TRUE(errors.contains(clean)) << clean;
+        EXPECT_EQ(errors[clean], 0u) << clean;
+    }
+    EXPECT_NE(outcome.out.find("as it is, again"), std::string::npos) << outcome.out;
+    expect_refused(folder, {"bench", "knife", "--ablate", "paper"}, "paper");
+    expect_refused(folder, {"bench", "knife", "--ablate", "grid", "-s", "paper"}, "--ablate");
 }
 
 TEST(Bench, refuses_to_choose_strategies_for_its_settings) {

@@ -115,6 +115,67 @@ TEST(ShaderLibrary, an_include_in_a_comment_is_left_alone) {
     EXPECT_NE(text.find("// #include"), std::string::npos);
 }
 
+TEST(ShaderLibrary, of_what_a_variant_needs_one_side_stays_with_its_places_and_includes) {
+    const ShaderLibrary library(Files{{"a.glsl",
+                                       "#if NEEDS(deep)  // why\n"
+                                       "#include \"deep.glsl\"\n"
+                                       "#ifdef ONE\n"
+                                       "int one;\n"
+                                       "#else\n"
+                                       "#if NEEDS(wide)\n"
+                                       "int deep_and_wide;\n"
+                                       "#endif\n"
+                                       "#endif\n"
+                                       "#else\n"
+                                       "int shallow;\n"
+                                       "#endif\n"
+                                       "int last;\n"},
+                                      {"deep.glsl", "int deep_file;\n"}});
+    const auto text = [&](bool deep, bool wide) {
+        return library
+            .compose({.stage = "fragment",
+                      .files = {"a.glsl"},
+                      .constants = {{"deep", deep}, {"wide", wide}}})
+            .text;
+    };
+    const std::string head = "#version 330 core\nconst bool deep = ";
+    EXPECT_EQ(text(false, true),
+              head + "false;\nconst bool wide = true;\n// ---- a.glsl\nint shallow;\nint last;\n");
+    EXPECT_EQ(text(true, false), head +
+                                     "true;\nconst bool wide = false;\n// ---- a.glsl\n"
+                                     "// ---- deep.glsl\nint deep_file;\n// ---- a.glsl, line 3\n"
+                                     "#ifdef ONE\nint one;\n#else\n#endif\nint last;\n");
+    EXPECT_EQ(count_of(text(true, true), "deep_and_wide"), 1u);
+    const ComposedShader shader = library.compose(
+        {.stage = "fragment", .files = {"a.glsl"}, .constants = {{"deep", false}, {"wide", true}}});
+    EXPECT_EQ(shader.lines.back().line, 13u);
+}
+
+TEST(ShaderLibrary, a_need_that_is_no_bool_constant_or_does_not_end_names_file_and_line) {
+    const auto place_of = [](const std::string& text) -> std::string {
+        try {
+            ShaderLibrary({{"a.glsl", text}})
+                .compose({.stage = "fragment",
+                          .files = {"a.glsl"},
+                          .constants = {{"deep", true}, {"count", 2}}});
+        } catch (const Error& error) {
+            return error.parts().where;
+        }
+        return "nothing thrown";
+    };
+    EXPECT_EQ(place_of("int a;\n#if NEEDS(dep)\n#endif\n"), "a.glsl:2");
+    EXPECT_EQ(place_of("#if NEEDS(count)\n#endif\n"), "a.glsl:1");
+    EXPECT_EQ(place_of("int a;\n\n#if NEEDS(deep)\nint b;\n"), "a.glsl:3");
+    EXPECT_EQ(place_of("int a;\n#endif\n"), "a.glsl:2");
+    EXPECT_EQ(place_of("#if NEEDS(deep)\n#endif\n"), "nothing thrown");
+}
+
+TEST(ShaderLibrary, a_late_constant_is_a_uniform) {
+    EXPECT_EQ(to_glsl({"light_count", 2, true}), "uniform int light_count;");
+    EXPECT_EQ(to_glsl({"shadows", true, true}), "uniform bool shadows;");
+    EXPECT_EQ(to_glsl({"shadows", true}), "const bool shadows = true;");
+}
+
 TEST(ShaderLibrary, extension_lines_move_before_the_constants_and_keep_their_place) {
     const ShaderLibrary library(
         Files{{"a.glsl", "int a;\n#extension GL_KHR_shader_subgroup_basic : enable\nint b;\n"}});

@@ -16,6 +16,10 @@
 #define CONSTANT(T, name)
 #define UNIFORM(T, name) uniform T name;
 
+// `#if NEEDS(name)` ... `#else` ... `#endif`, of a constant of type bool: who composes the text
+// leaves the other side out, so that a scene's shader does not even hold what the scene lacks. The
+// twin compiles the first side for all scenes, and so asks the constant itself as well.
+
 // Textures are sampled at level 0 with the nearest filter, at normalised coordinates (SAMPLE) or at
 // integer ones (FETCH).
 #define TEXTURE2D(name) uniform sampler2D name;

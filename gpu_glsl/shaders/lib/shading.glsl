@@ -76,6 +76,15 @@ vec3 phong(SurfacePoint point, Light light) {
     return color * light.intensity;
 }
 
+#if NEEDS(has_mirrors)
+Ray reflection_ray(SurfacePoint point) {
+    vec3 n = point.shading_normal;
+    vec3 incoming = -point.to_eye;
+    return Ray(point.origin, 0.0, incoming - n * (2.0 * dot3(incoming, n)),
+               path_tmax(kSurfaceRay));
+}
+#endif
+
 // A pixel's ray tree while it is being traced: everything that must be known between two rays.
 //
 // One ray is in flight at a time. A single pass keeps a Path in registers; a multi-pass tracer
@@ -119,10 +128,16 @@ bool next_ray(INOUT(Path) path, Hit hit, INOUT(Ray) ray) {
         path.direct += path.contribution;
     }
 
-    // The next shadow ray: to the next light that can contribute. The loop counts in a variable of
-    // its own: counting in path.light, one driver (NVIDIA 580) asks no light but the first.
+    // The next shadow ray: to the next light that can contribute.
     int light = path.light + 1;
-    while (light < light_count) {
+#if NEEDS(has_several_lights)
+    // In a variable of its own: counting in path.light, one driver (NVIDIA 580) asks no light but
+    // the first.
+    for (; light < light_count; ++light)
+#else
+    if (light < light_count)
+#endif
+    {
         Light source = fetch_light(light);
         vec3 c = phong(path.point, source);
         if (c.x != 0.0 || c.y != 0.0 || c.z != 0.0) {
@@ -135,20 +150,22 @@ bool next_ray(INOUT(Path) path, Hit hit, INOUT(Ray) ray) {
             }
             path.direct += c;
         }
-        ++light;
     }
 
-    // All lights asked: the mirror's share goes on, the rest stays here.
-    bool reflects = path.point.material.reflectivity > 0.0 && path.depth < max_depth;
-    float reflectivity = reflects ? path.point.material.reflectivity : 0.0;
-    path.pixel.color += path.direct * (path.weight * (1.0 - reflectivity));
-    if (!reflects) return false;
-    path.weight *= reflectivity;
-    path.light = kSurfaceRay;
-    ++path.depth;
-    vec3 n = path.point.shading_normal;
-    vec3 incoming = -path.point.to_eye;
-    ray = Ray(path.point.origin, 0.0, incoming - n * (2.0 * dot3(incoming, n)),
-              path_tmax(path.light));
-    return true;
+    // All lights asked: what is not reflected stays here.
+    float reflected = 0.0;
+#if NEEDS(has_mirrors)
+    if (path.depth < max_depth) reflected = path.point.material.reflectivity;
+#endif
+    path.pixel.color += path.direct * (path.weight * (1.0 - reflected));
+#if NEEDS(has_mirrors)
+    if (reflected > 0.0) {
+        path.weight *= reflected;
+        path.light = kSurfaceRay;
+        ++path.depth;
+        ray = reflection_ray(path.point);
+        return true;
+    }
+#endif
+    return false;
 }

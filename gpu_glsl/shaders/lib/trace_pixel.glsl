@@ -4,6 +4,7 @@
 // procedure. So there is one call of closest_hit(), and the loop around it asks what the next ray
 // is for.
 #pragma once
+#include "lib/query.glsl"
 #include "lib/shading.glsl"
 
 Pixel trace_pixel(ivec2 pixel) {
@@ -11,6 +12,7 @@ Pixel trace_pixel(ivec2 pixel) {
     Path path = begin_path();
     int ray_budget = (max_depth + 1) * (light_count + 1);
     for (int i = 0; i < ray_budget; ++i) {
+        any_hit_suffices = any_hit == 1 && path.light != kSurfaceRay;
         Hit hit = closest_hit(ray);
         ++rays_cast;
         if (!next_ray(path, hit, ray)) break;

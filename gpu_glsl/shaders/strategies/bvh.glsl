@@ -7,6 +7,8 @@
 //! gl: 4.0
 //! twin: yes
 //! default: no
+//! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
+//! param: specialise integer 1 leave out what the scene lacks; 0: one shader for all scenes
 
 // The other classical structure, in the same single pass and as clean as the grid, so that grid
 // against tree is a comparison of structures and of nothing else.
@@ -19,6 +21,7 @@
 //    average one or two a ray, double precision decides at once (lib/triangle/decide.glsl).
 #pragma once
 #include "lib/bvh/descent.glsl"
+#include "lib/query.glsl"
 #include "lib/triangle/decide.glsl"
 #include "lib/triangle/rule_out.glsl"
 
@@ -49,8 +52,10 @@ void decide(LocalRay local, float start, Triangle triangle, uint inst_id, uint p
     NOTE_HIT(nearest.hit);
 }
 
-// The nearest hit's t, or the ray's end, counted from `start` and not rounded down.
+// The nearest hit's t, or the ray's end, counted from `start` and not rounded down. Nothing is
+// within it once a hit answers the ray.
 float bound_from(double start, Ray ray, Nearest nearest) {
+    if (any_hit_suffices && is_hit(nearest.hit)) return -infinity();
     const float kUp = 1.0000002384185791015625;  // 1 + 2^-22
     double end = nearest.t < double(ray.tmax) ? nearest.t : double(ray.tmax);
     return float(end - start) * kUp;
@@ -138,6 +143,7 @@ void walk_instance(uint inst_id, Ray ray, INOUT(Nearest) nearest) {
     stack_size = base;
 }
 
+#if NEEDS(has_top_level)
 // ---- The top level -----------------------------------------------------------------------------
 
 void walk_scene(Ray ray, INOUT(Nearest) nearest) {
@@ -166,15 +172,17 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
     }
     if (!done) ray_flags |= kFlagExhausted;
 }
+#endif
+
+// ---- The whole ray -----------------------------------------------------------------------------
 
 Hit closest_hit(Ray ray) {
     if (!is_traceable(ray)) return no_hit();
     Nearest nearest = Nearest(double(infinity()), no_hit());
     stack_size = 0;
-    if (has_top_level) {
-        walk_scene(ray, nearest);
-    } else {
-        walk_instance(0u, ray, nearest);
-    }
+    if (!has_top_level) walk_instance(0u, ray, nearest);
+#if NEEDS(has_top_level)
+    if (has_top_level) walk_scene(ray, nearest);
+#endif
     return nearest.hit;
 }

@@ -6,6 +6,10 @@
 //! entries: fragment compute
 //! gl: 4.3
 //! twin: yes
+//! param: skip_empty integer 1 cross empty space at once; 0 walks it cell by cell
+//! param: decide choice(doubles,floats) doubles what decides where floats cannot tell; floats err
+//! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
+//! param: specialise integer 1 leave out what the scene lacks; 0: one shader for all scenes
 
 // A grid tracer that loses nothing and wastes little: the same two levels as the paper's, with every
 // place where rounding could lose, invent or swap a hit closed.
@@ -21,10 +25,15 @@
 // 6. Where it can have, doubles decide (lib/triangle/decide.glsl).
 #pragma once
 #include "lib/grid/walk.glsl"
+#include "lib/query.glsl"
 #include "lib/triangle/decide.glsl"
+#include "lib/triangle/decide_in_floats.glsl"
 #include "lib/triangle/rule_out.glsl"
 
-CONSTANT(bool, one_instance)  // then there is no top level
+CONSTANT(bool, has_top_level)  // false: one instance, and no grid over it
+CONSTANT(int, skip_empty)
+CONSTANT(int, decide)
+const int kInFloats = 1;  // of decide
 
 // The nearest hit of the instances walked through so far.
 struct Nearest {
@@ -35,6 +44,14 @@ struct Nearest {
 bool is_before(uint inst_id, uint prim_id, Hit other) {
     return inst_id < other.inst_id || (inst_id == other.inst_id && prim_id < other.prim_id);
 }
+
+// The edge of the empty cube that the ray may cross at once in an empty cell, in cells, biased.
+float cube_ahead(uint cell, uint octant) {
+    return skip_empty == 1 ? empty_cube(cell, octant) : biased(1u);
+}
+
+// Whether what was found answers the ray, wherever the nearest hit may be.
+bool is_enough(Nearest nearest) { return any_hit_suffices && is_hit(nearest.hit); }
 
 // ---- The object level --------------------------------------------------------------------------
 
@@ -52,42 +69,46 @@ Bracket bracket_of(float t) {
 
 // What floats found out about one instance.
 struct Findings {
-    uint found;    // the triangle that is hit first, but for `open`, or kNoId
-    uint open;     // one of which they cannot tell whether it is hit, or before that one, or kNoId
+    uint found;    // the triangle that is hit first, but for those open; or kNoId
+    uint open;     // one of which they cannot tell whether it is hit, or before that one; or kNoId
     uint other;    // another one
-    bool is_over;  // false if the walk stopped: because a second triangle would be open, or exhausted
-    // Where it stopped.
-    bool is_full;
-    vec3 left;
-    int at;
-    float start;   // of the course
+    float start;   // t of the ray where its course begins
+    bool is_over;  // the walk went to its end
+    bool is_full;  // it stopped, because a third triangle was open, with so many cells left, biased,
+    vec3 left;     // ...
+    int at;        // ... and at this place of the cell's list
 };
+
+Findings no_findings() {
+    return Findings(kNoId, kNoId, kNoId, 0.0, false, false, vec3(0.0), 0);
+}
 
 // Walks through an instance's grid and tests its triangles, from where an earlier walk stopped, if it
 // did. `nearest` is the nearest hit of this and other instances so far.
 Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, Nearest nearest,
                         Findings earlier) {
-    Findings now = Findings(kNoId, kNoId, kNoId, true, false, vec3(0.0), 0, 0.0);
+    Findings now = no_findings();
     Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
     // The course is the same from whichever cell of the top level the instance is met, so that a
     // triangle met twice gives the same t twice; the walk covers the part that was asked for.
     Course course = course_in(grid, to_instance(inst_id, ray), ray.tmin, ray.tmax);
     now.start = course.start;
-    // The walk's t are those of the course.
+    now.is_over = true;
+    // From here on t is that of the course.
     float begin = greater(t_along(course, double(t_first)), 0.0);
     float end = lesser(t_along(course, double(t_last)), course.leave);
     if (!(begin <= end)) return now;
+    now.is_over = false;
+    now.found = nearest.hit.inst_id == inst_id ? nearest.hit.prim_id : kNoId;
+    Bracket bracket = bracket_of(t_along(course, min(nearest.t, double(ray.tmax))));
     Sight sight = Sight(course.org, course.dir, 1.0);
     Walk walk = begin_walk(grid, course, begin);
     uint octant = octant_shift(walk);
-    if (earlier.is_full) walk.left = earlier.left;
-
-    Bracket bracket = bracket_of(t_along(course, min(nearest.t, double(ray.tmax))));
     end = min(end, smallest(walk.t_leave));
-    now.found = nearest.hit.inst_id == inst_id ? nearest.hit.prim_id : kNoId;
-    now.is_over = false;
-    int at = earlier.at;
+
     bool is_resumed = earlier.is_full;
+    int at = earlier.at;
+    if (is_resumed) walk.left = earlier.left;
     for (int steps = step_budget(grid); steps > 0; --steps) {
         // On to the next full cell.
         uint cell = cell_word(cell_index(walk));
@@ -95,7 +116,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, Near
             count_cell();
             NOTE_CELL(inst_id, cell_of(grid, walk));
             if (!is_empty_cell(cell)) break;
-            now.is_over = !leave_cells(walk, vec3(empty_cube(cell, octant)), min(end, bracket.to));
+            now.is_over = !leave_cells(walk, cube_ahead(cell, octant), min(end, bracket.to));
             if (now.is_over) break;
             cell = cell_word(cell_index(walk));
         }
@@ -120,21 +141,22 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, Near
                 if (is_clear) {
                     now.found = prim_id;
                     bracket = Bracket(crossing.from, crossing.to);
+                    now.is_over = any_hit_suffices;
                 } else if (now.open == kNoId) {
                     now.open = prim_id;
                 } else if (now.other == kNoId) {
                     now.other = prim_id;
                 } else {
                     now.is_full = true;
-                    break;
                 }
+                if (now.is_over || now.is_full) break;
             }
             is_in_list = !is_last_reference(reference);
             if (!is_in_list) break;
             ++at;
         }
         if (is_in_list) break;  // to decide, or the driver ended the loop
-        now.is_over = !leave_cells(walk, vec3(biased(1u)), min(end, bracket.to));
+        now.is_over = !leave_cells(walk, biased(1u), min(end, bracket.to));
         if (now.is_over) break;
     }
     now.left = walk.left;
@@ -142,13 +164,21 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, Near
     return now;
 }
 
-// Asks the doubles whether a triangle of an instance is hit before the nearest so far. `start`: where
-// its grid is entered.
-void decide(uint inst_id, Ray ray, float start, uint prim_id, INOUT(Nearest) nearest) {
-    LocalRay local = moved_from_afar(to_instance(inst_id, ray), start);
+// Asks whether a triangle of an instance is hit before the nearest so far. `start`: of the course.
+void decide_on(uint inst_id, Ray ray, float start, uint prim_id, INOUT(Nearest) nearest) {
     Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
-    SharpHit sharp = sharp_hit(local, fetch_triangle(grid, prim_id));
-    double t = sharp.t + double(start);
+    LocalRay local = to_instance(inst_id, ray);
+    SharpHit sharp;
+    double t;
+    if (decide == kInFloats) {
+        Course course = course_in(grid, local, ray.tmin, ray.tmax);
+        sharp = blunt_hit(Sight(course.org, course.dir, 1.0), fetch_planes(grid, prim_id));
+        t = double(start) + sharp.t * inverse_of_power(course.length_of_t);
+    } else {
+        local = moved_from_afar(local, start);
+        sharp = sharp_hit(local, fetch_triangle(grid, prim_id));
+        t = double(start) + sharp.t;
+    }
     if (sharp.is_hit && t >= double(ray.tmin) && t <= double(ray.tmax) &&
         (t < nearest.t || (t == nearest.t && is_before(inst_id, prim_id, nearest.hit)))) {
         nearest = Nearest(t, Hit(float(t), sharp.u, sharp.v, prim_id, inst_id));
@@ -157,13 +187,13 @@ void decide(uint inst_id, Ray ray, float start, uint prim_id, INOUT(Nearest) nea
 
 // Finds the nearest hit on one instance, where the ray meets it in [t_first, t_last].
 //
-// Floats walk and test. They find out which triangle is hit first, but for an `open` one, of which
-// they cannot tell whether it is hit, or before the nearest. It waits: a nearer hit may settle the
-// question. When the walk is over, or a second one would have to wait, doubles decide. (A walk that
+// Floats walk and test. They find out which triangle is hit first, but for some that are `open`: they
+// cannot tell whether those are hit, or before that one. They wait: a nearer hit may settle the
+// question. When the walk is over, or a third one would have to wait, doubles decide. (A walk that
 // decided on its way would pay for it at every test: a software renderer goes through both sides
 // of a branch, and a GPU keeps registers for both.)
 void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nearest) nearest) {
-    Findings findings = Findings(kNoId, kNoId, kNoId, false, false, vec3(0.0), 0, 0.0);
+    Findings findings = no_findings();
     const int kMostRounds = 1 << 20;
     for (int rounds = kMostRounds; rounds > 0; --rounds) {
         findings = walk_in_floats(inst_id, ray, t_first, t_last, nearest, findings);
@@ -171,16 +201,17 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
         uint next = findings.found != kNoId ? findings.open : findings.other;
         uint last = findings.found != kNoId ? findings.other : kNoId;
         while (asked != kNoId) {
-            decide(inst_id, ray, findings.start, asked, nearest);
+            decide_on(inst_id, ray, findings.start, asked, nearest);
             asked = next;
             next = last;
             last = kNoId;
         }
-        if (!findings.is_full) break;
+        if (!findings.is_full || is_enough(nearest)) break;
     }
-    if (!findings.is_over) ray_flags |= kFlagExhausted;
+    if (!findings.is_over && !is_enough(nearest)) ray_flags |= kFlagExhausted;
 }
 
+#if NEEDS(has_top_level)
 // ---- The top level -----------------------------------------------------------------------------
 
 // The part of the course within a cell of the top level that is widened as its lists are: what an
@@ -201,14 +232,14 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
     float end = lesser(course.leave, smallest(walk.t_leave));
     double t_of_length = inverse_of_power(course.length_of_t);
 
-    bool done = false;
+    bool is_over = false;
     for (int steps = step_budget(grid); steps > 0; --steps) {
         count_cell();
         ivec3 place = cell_of(grid, walk);
         NOTE_CELL(kNoId, place);
         uint cell = top_cell_word(cell_index(walk));
-        bool is_list_done = is_empty_cell(cell);
-        if (!is_list_done) {
+        bool is_in_list = !is_empty_cell(cell);
+        if (is_in_list) {
             Span span = span_in_cell(grid, course, place);
             float enter = course.start + float(double(span.enter) * t_of_length);
             float leave = course.start + float(double(span.leave) * t_of_length);
@@ -221,27 +252,30 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
                 uint reference = fetch_instance_reference(at);
                 ++at;
                 walk_instance(referenced(reference), ray, enter - slack, leave + slack, nearest);
-                is_list_done = is_last_reference(reference);
-                if (is_list_done) break;
+                is_in_list = !is_last_reference(reference);
+                is_over = is_enough(nearest);
+                if (!is_in_list || is_over) break;
             }
         }
-        if (!is_list_done) break;  // as above
+        if (is_in_list || is_over) break;  // over, or the driver ended the loop
+        float edge = mix(biased(1u), cube_ahead(cell, octant), is_empty_cell(cell));
         float bound = lesser(end, bracket_of(t_along(course, nearest.t)).to);
-        float edge = mix(biased(1u), empty_cube(cell, octant), is_empty_cell(cell));
-        done = !leave_cells(walk, vec3(edge), bound);
-        if (done) break;
+        is_over = !leave_cells(walk, edge, bound);
+        if (is_over) break;
     }
-    if (!done) ray_flags |= kFlagExhausted;
+    if (!is_over) ray_flags |= kFlagExhausted;
 }
+#endif
+
+// ---- The whole ray -----------------------------------------------------------------------------
 
 Hit closest_hit(Ray ray) {
     if (!is_traceable(ray)) return no_hit();
     Nearest nearest = Nearest(double(infinity()), no_hit());
-    if (one_instance) {
-        walk_instance(0u, ray, ray.tmin, ray.tmax, nearest);
-    } else {
-        walk_scene(ray, nearest);
-    }
+    if (!has_top_level) walk_instance(0u, ray, ray.tmin, ray.tmax, nearest);
+#if NEEDS(has_top_level)
+    if (has_top_level) walk_scene(ray, nearest);
+#endif
     if (is_hit(nearest.hit)) NOTE_HIT(nearest.hit);
     return nearest.hit;
 }

@@ -399,6 +399,29 @@ Results sample_growth_run() {
 
 // ---- The tests.
 
+Results sample_ablation_run() {
+    Results run;
+    run.manifest = sample_manifest("bench");
+    AblationRecord full;
+    full.scene = "bunny";
+    full.work = "shadow";
+    full.tracer = "grid/buffer/compute";
+    full.rays = 2000;
+    full.wall_ms = std::vector<double>(9, 2.0);
+    full.ratio = full.ratio_low = full.ratio_high = 1.0;
+    AblationRecord without = full;
+    without.without = "a step that <pays>";
+    without.setting = "step=0";
+    without.ratio = 0.625;
+    without.errors = 3;
+    AblationRecord refused = without;
+    refused.failure = "does not fit";
+    AblationRecord other_work = full;
+    other_work.work = "image";
+    run.ablations = {full, full, without, refused, other_work};
+    return run;
+}
+
 class Report : public testing::Test {
   protected:
     void SetUp() override {
@@ -456,6 +479,27 @@ std::vector<std::string> matches(const std::string& text, const std::string& pat
         all.push_back(at->str());
     }
     return all;
+}
+
+TEST_F(Report, an_ablation_has_a_table_a_work_with_the_strategy_as_it_is_first) {
+    const std::string page = render({sample_ablation_run()});
+    const size_t section = page.find("<section id=\"ablations\">");
+    ASSERT_NE(section, std::string::npos);
+    const std::string html = page.substr(section, page.find("</section>", section) - section);
+    const auto at = [&](const std::string& part) {
+        const size_t found = html.find(part);
+        EXPECT_NE(found, std::string::npos) << part;
+        return found;
+    };
+    EXPECT_LT(at("bunny, shadow rays, grid/buffer/compute"), at("as it is<"));
+    EXPECT_LT(at("as it is<"), at("as it is, again<"));
+    EXPECT_LT(at("as it is, again<"), at("a step that &lt;pays&gt;"));
+    EXPECT_LT(at("0.625"), at("does not fit"));
+    EXPECT_LT(at("does not fit"), at("bunny, the whole image, grid/buffer/compute"));
+    EXPECT_NE(html.find("errors bad"), std::string::npos);
+    EXPECT_EQ(html.find("aria-label=\"Ablations, bunny, shadow rays, grid/buffer/compute <"),
+              std::string::npos);
+    EXPECT_EQ(render({sample_growth_run()}).find("id=\"ablations\""), std::string::npos);
 }
 
 TEST_F(Report, shows_every_class_of_every_check) {

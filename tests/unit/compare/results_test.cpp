@@ -225,6 +225,20 @@ Results full_results() {
         {"ball", 1000, "paper/x/y", "density=2", {1.5, 2.5}, 4096, 5000, 6000, "refused"}};
     results.growth_traces = {
         {"ball", 1000, "paper/x/y", "density=2", "diffuse", 512, true, {3.5}, {0.25}, 64, 3, 2}};
+    results.ablations = {{"bunny",
+                          "image",
+                          "paper/x/y",
+                          "a step",
+                          "step=0",
+                          256,
+                          4,
+                          5,
+                          {1.5},
+                          {0.75},
+                          0.5,
+                          0.25,
+                          0.625,
+                          "none"}};
     return results;
 }
 
@@ -288,7 +302,7 @@ TEST(ResultsJson, reads_files_that_are_older_than_its_last_lists) {
 
 TEST(ResultsJson, holds_every_member_of_every_record) {
     const auto document = nlohmann::json::parse(to_json(full_results()));
-    EXPECT_EQ(document.size(), 15u) << "the version and the members of Results";
+    EXPECT_EQ(document.size(), 16u) << "the version and the members of Results";
     EXPECT_EQ(document["manifest"].size(), 17u);
     EXPECT_EQ(document["scenes"][0].size(), 7u);
     EXPECT_EQ(document["tracers"][0].size(), 11u);
@@ -299,6 +313,7 @@ TEST(ResultsJson, holds_every_member_of_every_record) {
     EXPECT_EQ(document["ladders"][0].size(), 9u);
     EXPECT_EQ(document["ladders"][0]["rungs"][0].size(), 10u);
     EXPECT_EQ(document["tradeoffs"][0].size(), 13u);
+    EXPECT_EQ(document["ablations"][0].size(), 14u);
     EXPECT_EQ(document["claims"][0]["measurements"][0].size(), 21u);
     EXPECT_EQ(document["images"][0].size(), 18u);
     EXPECT_EQ(document["timings"][0].size(), 15u);

@@ -135,10 +135,10 @@ float left_beside(float t, float t_exit, float behind, float left, float t_leave
     return mix(min(left, left_at(t, t_leave, cells_per_t)), behind + bias(), t_exit <= t);
 }
 
-// Leaves the box of cells that begins with the walk's and has these edges, biased. False if the ray
+// Leaves the cube of cells that begins with the walk's and has this edge, biased. False if the ray
 // ends in it: at t = end, which is no later than where it leaves the grid.
-bool leave_cells(INOUT(Walk) walk, vec3 edges, float end) {
-    vec3 behind = walk.left - edges;  // what is left behind the box, not biased
+bool leave_cells(INOUT(Walk) walk, float edge, float end) {
+    vec3 behind = walk.left - vec3(edge);  // what is left behind the cube, not biased
     vec3 t_exit = walk.t_leave - behind * walk.t_edge;
     float t = min(t_exit.x, min(t_exit.y, t_exit.z));
     walk.left = vec3(left_beside(t, t_exit.x, behind.x, walk.left.x, walk.t_leave.x,

@@ -34,6 +34,30 @@ struct Crossing {
     bool is_sure;  // false if it may be nowhere
 };
 
+// The weights of the corners where the ray meets the triangle's plane, times det; it is there at
+// t = dist / det.
+struct Weights {
+    float u;
+    float v;
+    float w;
+    float det;
+    float dist;
+};
+
+Weights weights_of(Planes planes, Sight sight) {
+    vec3 dir = sight.dir;
+    vec3 org = sight.org;
+    vec4 face = planes.face;
+    float det = face.x * dir.x + face.y * dir.y + face.z * dir.z;
+    float dist = face.w - face.x * org.x - face.y * org.y - face.z * org.z;
+    vec3 point = org * det + dir * dist;
+    vec4 first = planes.first;
+    vec4 second = planes.second;
+    float v = first.x * point.x + first.y * point.y + first.z * point.z + first.w * det;
+    float w = second.x * point.x + second.y * point.y + second.z * point.z + second.w * det;
+    return Weights(det - v - w, v, w, det, dist);
+}
+
 // False if the ray misses the triangle.
 //
 // The bounds, with u = half_ulp(), A and B the sums of the absolute components of `first` and
@@ -46,26 +70,18 @@ struct Crossing {
 // 48 u c; if not, t may be anything.
 bool may_cross(Planes planes, Sight sight, OUT(Crossing) crossing) {
     count_test();
-    vec3 dir = sight.dir;
-    vec3 org = sight.org;
+    Weights weights = weights_of(planes, sight);
     vec4 face = planes.face;
-    float det = face.x * dir.x + face.y * dir.y + face.z * dir.z;
-    float dist = face.w - face.x * org.x - face.y * org.y - face.z * org.z;
-    vec3 point = org * det + dir * dist;
-    vec4 first = planes.first;
-    vec4 second = planes.second;
-    float v = first.x * point.x + first.y * point.y + first.z * point.z + first.w * det;
-    float w = second.x * point.x + second.y * point.y + second.z * point.z + second.w * det;
-    float u = det - v - w;
-    float doubt = (22.0 * half_ulp()) * sight.reach;
-    float least = min(u, min(v, w));
-    float most = max(u, max(v, w));
-
+    float det = weights.det;
     float error = (12.0 * half_ulp()) * sight.reach * (abs(face.x) + abs(face.y) + abs(face.z));
     bool is_steep = abs(det) > 4.0 * error;
     float inverse = 1.0 / det;
-    float t = mix(0.0, dist * inverse, is_steep);
+    float t = mix(0.0, weights.dist * inverse, is_steep);
     error = mix(infinity(), error * (1.0 + abs(t)) * abs(inverse), is_steep);
+
+    float doubt = (22.0 * half_ulp()) * sight.reach;
+    float least = min(weights.u, min(weights.v, weights.w));
+    float most = max(weights.u, max(weights.v, weights.w));
     crossing = Crossing(t - error, t + error, max(least, -most) > doubt && !has_sign(face.w));
     return min(-least, most) <= doubt;
 }

@@ -16,11 +16,13 @@ BUFFER(bvh_planes)        // in the leaves' order, so that a leaf's triangles li
 BUFFER(bvh_vertices)      // likewise
 UBUFFER(bvh_primitives)   // the triangle in each slot
 UBUFFER(bvh_roots)        // of each instance's object: a node
+BUFFER(bvh_instances)
 
+#if NEEDS(has_top_level)
 // The top level.
 UBUFFER(bvh_top_nodes)
 UBUFFER(bvh_top_instances)  // the instance in each slot
-BUFFER(bvh_instances)
+#endif
 
 // One of a node's two children.
 struct Child {
@@ -55,11 +57,15 @@ Node fetch_node(uint index) {
                    FETCHBUFFER(bvh_nodes, at + 2), FETCHBUFFER(bvh_nodes, at + 3));
 }
 
+#if NEEDS(has_top_level)
 Node fetch_top_node(uint index) {
     int at = int(index) * kBvhNodeTexels;
     return node_of(FETCHBUFFER(bvh_top_nodes, at), FETCHBUFFER(bvh_top_nodes, at + 1),
                    FETCHBUFFER(bvh_top_nodes, at + 2), FETCHBUFFER(bvh_top_nodes, at + 3));
 }
+
+uint fetch_top_instance(int slot) { return FETCHBUFFER(bvh_top_instances, slot).x; }
+#endif
 
 Planes fetch_planes(int slot) {
     int at = slot * kBvhPlanesTexels;
@@ -74,7 +80,6 @@ Triangle fetch_triangle(int slot) {
 }
 
 uint fetch_primitive(int slot) { return FETCHBUFFER(bvh_primitives, slot).x; }
-uint fetch_top_instance(int slot) { return FETCHBUFFER(bvh_top_instances, slot).x; }
 
 uint fetch_root(uint inst_id) { return FETCHBUFFER(bvh_roots, int(inst_id)).x; }
 

@@ -21,16 +21,8 @@ BUFFER(grid_frames)
 UBUFFER(grid_numbers)
 UBUFFER(instance_grids)
 
-// The top level: made anew when instances move (pack/top_level_update.h).
-UBUFFER(top_cells)
-UBUFFER(top_references)  // instances
+// Made anew when instances move (pack/top_level_update.h).
 BUFFER(instance_rows)
-UNIFORM(vec3, top_frame)  // the origin of its frame, in the world
-UNIFORM(vec3, top_lower)  // its Grid; dims as floats
-UNIFORM(vec3, top_upper)
-UNIFORM(vec3, top_cell)
-UNIFORM(vec3, top_cells_per_unit)
-UNIFORM(vec3, top_dims)
 
 struct Grid {
     vec3 centre;         // in its frame
@@ -53,14 +45,7 @@ Grid fetch_grid(int number) {
                 ivec3(int(dims.x), int(dims.y), int(dims.z)), int(dims.w), int(first.x));
 }
 
-Grid fetch_top_grid() {
-    return Grid(vec3(0.0), top_lower, top_upper, top_cell, top_cells_per_unit,
-                ivec3(int(top_dims.x), int(top_dims.y), int(top_dims.z)), 0, 0);
-}
-
 // ---- Cells and lists: a word each --------------------------------------------------------------
-
-uint top_cell_word(int index) { return FETCHBUFFER(top_cells, index).x; }
 
 bool is_empty_cell(uint cell) { return (cell & kEmptyCell) != 0u; }
 
@@ -76,11 +61,6 @@ int first_reference(uint cell) { return int(cell); }
 uint fetch_triangle_reference(int index) {
     count_reference();
     return reference_word(index);
-}
-
-uint fetch_instance_reference(int index) {
-    count_reference();
-    return FETCHBUFFER(top_references, index).x;
 }
 
 bool is_last_reference(uint reference) { return (reference & kMoreReferences) == 0u; }
@@ -124,6 +104,6 @@ LocalRay to_instance(uint inst_id, Ray ray) {
                     dvec3(sharp_dot(row_x, dir), sharp_dot(row_y, dir), sharp_dot(row_z, dir)));
 }
 
-LocalRay to_top_level(Ray ray) {
-    return LocalRay(dvec3(ray.org) - dvec3(top_frame), dvec3(ray.dir));
-}
+#if NEEDS(has_top_level)
+#include "storage/two_level_grid/top_buffers.glsl"
+#endif
