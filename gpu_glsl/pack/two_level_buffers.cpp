@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -99,38 +100,60 @@ void put(float* texel, const dvec3& v) {
     for (int c = 0; c < 3; ++c) texel[c] = static_cast<float>(v[c]);
 }
 
+/// A position in the frame of its object's grid: exact.
+vec3 in_frame(const vec3& position, const GridFrame& frame) {
+    return vec3((dvec3(position) - frame.origin) * frame.scale);
+}
+
+/// All objects' positions in the frames of their grids, as bits.
+RawVector<uint32_t> pack_vertices(const Scene& scene, std::span<const GridFrame> frames,
+                                  const std::vector<uint64_t>& first_vertex) {
+    RawVector<uint32_t> vertices(3 * first_vertex.back());
+    for (size_t k = 0; k < scene.objects.size(); ++k) {
+        const std::vector<vec3>& positions = scene.objects[k].positions;
+        uint32_t* const out = vertices.data() + 3 * first_vertex[k];
+        tbb::parallel_for(tbb::blocked_range<size_t>(0, positions.size(), 1 << 14),
+                          [&](const auto& range) {
+                              for (size_t i = range.begin(); i != range.end(); ++i) {
+                                  const vec3 p = in_frame(positions[i], frames[k]);
+                                  for (int axis = 0; axis < 3; ++axis) {
+                                      out[3 * i + static_cast<size_t>(axis)] =
+                                          std::bit_cast<uint32_t>(p[axis]);
+                                  }
+                              }
+                          });
+    }
+    return vertices;
+}
+
 struct PackedTriangles {
-    RawVector<float> corners;  ///< in the frames of their grids: exact
-    RawVector<float> planes;   ///< from the centres of their grids
+    RawVector<uint32_t> corners;  ///< indices of vertices
+    RawVector<float> planes;      ///< from the centres of their grids
 };
 
 PackedTriangles pack_triangles(const Scene& scene, const std::vector<UniformGrid>& grids,
                                std::span<const GridFrame> frames,
-                               const std::vector<uint64_t>& first_triangle) {
-    constexpr size_t kCornerFloats = 4 * kTriangleVertexTexels;
+                               const std::vector<uint64_t>& first_triangle,
+                               const std::vector<uint64_t>& first_vertex) {
     constexpr size_t kPlanesFloats = 4 * kPlanesTexels;
-    PackedTriangles packed{RawVector<float>(kCornerFloats * first_triangle.back()),
+    PackedTriangles packed{RawVector<uint32_t>(3 * first_triangle.back()),
                            RawVector<float>(kPlanesFloats * first_triangle.back())};
     for (size_t k = 0; k < scene.objects.size(); ++k) {
         const Object& object = scene.objects[k];
-        const GridFrame& frame = frames[k];
-        const dvec3 centre = centre_in(grids[k].bounds, frame);
+        const dvec3 centre = centre_in(grids[k].bounds, frames[k]);
         tbb::parallel_for(
             tbb::blocked_range<size_t>(0, object.triangles.size(), 1 << 12),
             [&](const auto& range) {
                 for (size_t i = range.begin(); i != range.end(); ++i) {
                     const size_t at = first_triangle[k] + i;
-                    std::array<dvec3, 3> stored;
-                    for (size_t v = 0; v < stored.size(); ++v) {
-                        float* const texel = &packed.corners[kCornerFloats * at + 4 * v];
+                    std::array<dvec3, 3> p;
+                    for (size_t v = 0; v < p.size(); ++v) {
                         const uint32_t corner = object.triangles[i][static_cast<int>(v)];
-                        const dvec3 p(object.positions[corner]);
-                        put(texel, (p - frame.origin) * frame.scale);
-                        texel[3] = 0.0f;
-                        stored[v] = dvec3(texel[0], texel[1], texel[2]) - centre;
+                        packed.corners[3 * at + v] =
+                            static_cast<uint32_t>(first_vertex[k] + corner);
+                        p[v] = dvec3(in_frame(object.positions[corner], frames[k])) - centre;
                     }
-                    put_barycentric_planes(&packed.planes[kPlanesFloats * at], stored[0], stored[1],
-                                           stored[2]);
+                    put_barycentric_planes(&packed.planes[kPlanesFloats * at], p[0], p[1], p[2]);
                 }
             });
     }
@@ -230,12 +253,15 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
     const std::vector<uint64_t> first_reference =
         starts_of(grids, [](const UniformGrid& g) { return uint64_t{g.references.size()}; });
     std::vector<uint64_t> first_triangle = {0};
+    std::vector<uint64_t> first_vertex = {0};
     for (const Object& object : scene.objects) {
         first_triangle.push_back(first_triangle.back() + object.triangles.size());
+        first_vertex.push_back(first_vertex.back() + object.positions.size());
     }
     check_index_range("cells", first_cell.back());
     check_index_range("references", first_reference.back());
-    check_index_range("triangles", first_triangle.back());
+    check_index_range("triangles", 3 * first_triangle.back());
+    check_index_range("vertices", 3 * first_vertex.back());
     std::vector<Affine> world_from_object;
     for (const Instance& instance : scene.instances) {
         world_from_object.push_back(instance.world_from_object);
@@ -262,9 +288,12 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
     add(word_buffer_of("cells", "cells", joined(grids, &UniformGrid::cell_begin), limits, kind));
     add(word_buffer_of("references", "references", joined(grids, &UniformGrid::references), limits,
                         kind));
-    PackedTriangles triangles = pack_triangles(scene, grids, packed.frames, first_triangle);
+    PackedTriangles triangles =
+        pack_triangles(scene, grids, packed.frames, first_triangle, first_vertex);
     add(float_buffer_of("planes", "triangles", std::move(triangles.planes), limits, kind));
-    add(float_buffer_of("triangles", "triangles", std::move(triangles.corners), limits, kind));
+    add(word_buffer_of("corners", "triangles", std::move(triangles.corners), limits, kind));
+    add(word_buffer_of("vertices", "vertices", pack_vertices(scene, packed.frames, first_vertex),
+                       limits, kind));
     add(pack_grid_frames(grids, limits));
     add(pack_grid_numbers(grids, first_cell, first_triangle, limits));
     add(pack_instance_grids(scene, limits));

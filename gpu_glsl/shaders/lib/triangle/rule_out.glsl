@@ -20,7 +20,8 @@ struct Sight {
     float reach;  // at least 1, and at least twice the origin's largest coordinate
 };
 
-// The record of pack/barycentric_planes.h.
+// The record of pack/barycentric_planes.h: floats, in the twin of doubles as well.
+const float kRecordHalfUlp = 5.9604644775390625e-8;  // 2^-24
 struct Planes {
     vec4 face;    // dot(xyz, p) = w on the triangle's plane
     vec4 first;   // dot(xyz, p) + w: the weight of the second corner
@@ -60,7 +61,7 @@ Weights weights_of(Planes planes, Sight sight) {
 
 // False if the ray misses the triangle.
 //
-// The bounds, with u = half_ulp(), A and B the sums of the absolute components of `first` and
+// The bounds, with u = 2^-24 (the record is of floats, whatever the arithmetic), A and B the sums of the absolute components of `first` and
 // `second`, and c = 1 / (A + B + 1) that of `face`. From the rounding of record and ray, and of each
 // operation, products and sums apart: det is off by 5 u c and dist by 5 u c; for a point in the
 // triangle, the point times det by 11 u c, and a weight times det by (18.5 A + 10) u c; the third, det
@@ -73,13 +74,13 @@ bool may_cross(Planes planes, Sight sight, OUT(Crossing) crossing) {
     Weights weights = weights_of(planes, sight);
     vec4 face = planes.face;
     float det = weights.det;
-    float error = (12.0 * half_ulp()) * sight.reach * (abs(face.x) + abs(face.y) + abs(face.z));
+    float error = (12.0 * kRecordHalfUlp) * sight.reach * (abs(face.x) + abs(face.y) + abs(face.z));
     bool is_steep = abs(det) > 4.0 * error;
     float inverse = 1.0 / det;
     float t = mix(0.0, weights.dist * inverse, is_steep);
     error = mix(infinity(), error * (1.0 + abs(t)) * abs(inverse), is_steep);
 
-    float doubt = (22.0 * half_ulp()) * sight.reach;
+    float doubt = (22.0 * kRecordHalfUlp) * sight.reach;
     float least = min(weights.u, min(weights.v, weights.w));
     float most = max(weights.u, max(weights.v, weights.w));
     crossing = Crossing(t - error, t + error, max(least, -most) > doubt && !has_sign(face.w));

@@ -5,11 +5,13 @@
 UBUFFER(cells)
 UBUFFER(references)
 BUFFER(planes)
-BUFFER(triangles)
+UBUFFER(corners)
+UBUFFER(vertices)
 
 uint cell_word(int index) { return FETCHBUFFER(cells, index).x; }
 uint reference_word(int index) { return FETCHBUFFER(references, index).x; }
 vec4 planes_texel(int index) { return FETCHBUFFER(planes, index); }
-vec4 triangle_texel(int index) { return FETCHBUFFER(triangles, index); }
+uint corner_word(int index) { return FETCHBUFFER(corners, index).x; }
+uint vertex_word(int index) { return FETCHBUFFER(vertices, index).x; }
 
 #include "storage/two_level_grid/grid_buffers.glsl"

@@ -2,7 +2,11 @@
 // ssbo.glsl have in common. They fetch the three tables that a walk reads at every step:
 //
 //   uint cell_word(int index), reference_word(int index)
-//   vec4 planes_texel(int index), triangle_texel(int index)
+//   vec4 planes_texel(int index)
+//
+// and two that a decision reads: an object's vertices, and which of them a triangle has
+//
+//   uint corner_word(int index), vertex_word(int index)
 //
 // All that belongs to a grid is stored in the grid's frame, so that an object far from the origin,
 // or of any size, is as precise as one of size 1 around it. The frame's origin is at a corner of
@@ -73,10 +77,15 @@ Planes fetch_planes(Grid grid, uint prim_id) {
     return Planes(planes_texel(at), planes_texel(at + 1), planes_texel(at + 2));
 }
 
+vec3 fetch_corner(int index) {
+    int at = 3 * int(corner_word(index));
+    return vec3(uintBitsToFloat(vertex_word(at)), uintBitsToFloat(vertex_word(at + 1)),
+                uintBitsToFloat(vertex_word(at + 2)));
+}
+
 Triangle fetch_triangle(Grid grid, uint prim_id) {
-    int at = (grid.first_triangle + int(prim_id)) * kTriangleVertexTexels;
-    return Triangle(vec3(triangle_texel(at)), vec3(triangle_texel(at + 1)),
-                    vec3(triangle_texel(at + 2)));
+    int at = 3 * (grid.first_triangle + int(prim_id));
+    return Triangle(fetch_corner(at), fetch_corner(at + 1), fetch_corner(at + 2));
 }
 
 int fetch_grid_of_instance(uint inst_id) {
