@@ -4,7 +4,7 @@
 // Floats: lower corner, upper corner, edge lengths of a cell, cells per unit of length.
 const int kGridFrameTexels = 4;
 
-// Integers: dims and the index of the first cell; then first triangle, 0, 0, 0.
+// Integers: dims and the index of the first cell; then first triangle, depth, 0, 0.
 const int kGridNumberTexels = 2;
 
 // The corners, in the frame of the object's grid.

@@ -82,7 +82,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
     uint open = kNoId;
 
     int steps = step_budget(grid);
-    uint cell = fetch_cell(grid, walk.cell);
+    CELL cell = fetch_cell(grid, walk.cell);
     int at = first_reference(cell);
     bool is_in_list = !is_empty_cell(cell);
     bool is_over = false;
@@ -121,7 +121,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
             // On to the next cell that is full.
             bool is_empty = true;
             for (; steps > 0 && is_empty && !is_over; --steps) {
-                ivec3 last = last_cell(walk, empty_cube(cell, octant));
+                ivec3 last = far_corner(cell, walk.cell, walk.step, octant);
                 vec3 t_exit = exit_t(walk, last);
                 is_over = !(smallest(t_exit) < lesser(end, bracket.to)) ||
                           !next_cell(grid, last, t_exit, walk);

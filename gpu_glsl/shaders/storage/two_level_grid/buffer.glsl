@@ -11,3 +11,4 @@ uint reference_word(int index) { return FETCHBUFFER(references, index).x; }
 vec4 triangle_texel(int index) { return FETCHBUFFER(triangles, index); }
 
 #include "storage/two_level_grid/grid_buffers.glsl"
+#include "storage/two_level_grid/uniform_cells.glsl"

@@ -39,6 +39,7 @@ struct Grid {
     ivec3 dims;
     int first_cell;
     int first_triangle;
+    int depth;           // of an irregular grid: its cells' cubes are divided by 2^depth; else 0
 };
 
 Grid fetch_grid(int number) {
@@ -47,12 +48,13 @@ Grid fetch_grid(int number) {
     uvec4 first = FETCHBUFFER(grid_numbers, number * kGridNumberTexels + 1);
     return Grid(vec3(FETCHBUFFER(grid_frames, at)), vec3(FETCHBUFFER(grid_frames, at + 1)),
                 vec3(FETCHBUFFER(grid_frames, at + 2)), vec3(FETCHBUFFER(grid_frames, at + 3)),
-                ivec3(int(dims.x), int(dims.y), int(dims.z)), int(dims.w), int(first.x));
+                ivec3(int(dims.x), int(dims.y), int(dims.z)), int(dims.w), int(first.x),
+                int(first.y));
 }
 
 Grid fetch_top_grid() {
     return Grid(top_lower, top_upper, top_cell, top_cells_per_unit,
-                ivec3(int(top_dims.x), int(top_dims.y), int(top_dims.z)), 0, 0);
+                ivec3(int(top_dims.x), int(top_dims.y), int(top_dims.z)), 0, 0, 0);
 }
 
 // ---- Cells and lists: a word each --------------------------------------------------------------
@@ -61,7 +63,6 @@ int cell_index(Grid grid, ivec3 cell) {
     return grid.first_cell + cell.x + grid.dims.x * (cell.y + grid.dims.y * cell.z);
 }
 
-uint fetch_cell(Grid grid, ivec3 cell) { return cell_word(cell_index(grid, cell)); }
 uint fetch_top_cell(Grid grid, ivec3 cell) {
     return FETCHBUFFER(top_cells, cell_index(grid, cell)).x;
 }

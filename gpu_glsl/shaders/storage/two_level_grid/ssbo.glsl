@@ -12,3 +12,4 @@ uint reference_word(int index) { return FETCHSTORAGE(references, index); }
 vec4 triangle_texel(int index) { return FETCHSTORAGE(triangles, index); }
 
 #include "storage/two_level_grid/grid_buffers.glsl"
+#include "storage/two_level_grid/uniform_cells.glsl"
