@@ -14,7 +14,11 @@ namespace {
 
 /// A cube is divided by this power of two an axis at most; where that leaves many triangles, its
 /// parts are divided again.
-constexpr uint32_t kMostBits = 4;
+constexpr uint32_t kMostBits = 3;
+
+/// References that a cube may be divided into, for each that it has: where many triangles lie on
+/// top of each other, or meet in a point, division would pay down to the lattice and never end.
+constexpr double kMostGrowth = 32.0;
 
 /// A triangle's directions along which a box may be apart from it, and how far it reaches in each,
 /// widened by the half extents of the boxes that are asked for.
@@ -77,11 +81,14 @@ class Divider {
           pad_(dvec3(grid.dims()) * kLatticePad),
           settings_(settings) {}
 
-    Subtree divide(uvec3 lower, uint32_t size_bits, std::vector<uint32_t> references) const {
+    /// `room`: references that may come of it, if it is divided.
+    Subtree divide(uvec3 lower, uint32_t size_bits, std::vector<uint32_t> references,
+                   double room) const {
         const uint32_t bits = bits_for(references.size(), size_bits);
         if (bits == 0) return cell(lower, size_bits, std::move(references));
         const Division division = distribute(lower, size_bits, bits, references);
-        if (!pays(division, references.size())) {
+        const auto count = static_cast<double>(division.references.size());
+        if (count > room || !pays(division, references.size())) {
             return cell(lower, size_bits, std::move(references));
         }
         references = {};
@@ -92,8 +99,9 @@ class Divider {
         const auto divide_part = [&](uint32_t part) {
             const auto begin = division.references.begin() + division.begins[part];
             const auto end = division.references.begin() + division.begins[part + 1];
+            const double share = static_cast<double>(end - begin) / std::max(count, 1.0);
             parts[part] = divide(lower + (place_of(part, bits) << (size_bits - bits)),
-                                 size_bits - bits, std::vector<uint32_t>(begin, end));
+                                 size_bits - bits, {begin, end}, room * share);
         };
         if (division.references.size() > kReferencesATask) {
             tbb::parallel_for(0u, division.count(), divide_part);
@@ -258,7 +266,8 @@ class Divider {
 Subtree divide_cube(const Object& object, const IrregularGrid& grid,
                     const IrregularGridSettings& settings, uvec3 lower, uint32_t size_bits,
                     std::vector<uint32_t> references) {
-    return Divider(object, grid, settings).divide(lower, size_bits, std::move(references));
+    const double room = kMostGrowth * static_cast<double>(references.size());
+    return Divider(object, grid, settings).divide(lower, size_bits, std::move(references), room);
 }
 
 }  // namespace onepass

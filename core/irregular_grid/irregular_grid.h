@@ -66,7 +66,7 @@ struct IrregularGrid {
 /// How a grid is made.
 struct IrregularGridSettings {
     double top_density = 0.12;  ///< top cells a triangle
-    double density = 2.4;       ///< cells that a cell is divided into, a triangle in it
+    double density = 1.0;       ///< cells that a cell is divided into, a triangle in it
     double cell_cost = 3.0;     ///< of a step to a cell, in triangle tests
     uint32_t expansions = 3;    ///< passes that widen cells
 
