@@ -17,7 +17,7 @@ namespace {
 #include "gpu_glsl/shaders/shared/irregular_grid_layout.h"
 
 static_assert(kNodeBits == IrregularNode::kBits);
-static_assert(kLatticeMost <= 1u << kLastPlaceShift);
+static_assert(kLatticeMost == kMostPlace + 1);
 
 /// Where one object's share of the buffers begins.
 struct Place {
@@ -64,8 +64,9 @@ void put_cells(uint32_t* out, const IrregularGrid& grid, const Place& at) {
     for_each(grid.cells.size(), [&](size_t i) {
         const IrregularCell& cell = grid.cells[i];
         for (int axis = 0; axis < 3; ++axis) {
-            out[4 * i + static_cast<size_t>(axis)] = cell.lower[axis] | cell.last[axis]
-                                                                            << kLastPlaceShift;
+            const uint32_t from_most = kMostPlace - cell.last[axis];
+            out[4 * i + static_cast<size_t>(axis)] =
+                cell.lower[axis] | (from_most << kLastPlaceShift);
         }
         const auto first = static_cast<uint32_t>(at.reference) + cell.first;
         out[4 * i + 3] = cell.count == 0 ? kEmptyCell : first;

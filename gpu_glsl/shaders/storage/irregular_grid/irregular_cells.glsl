@@ -31,10 +31,9 @@ CELL fetch_cell(Grid grid, ivec3 place) {
 bool is_empty_cell(CELL cell) { return is_empty_cell(cell.w); }
 int first_reference(CELL cell) { return first_reference(cell.w); }
 
-// The upper half of a word for a ray that goes up, the lower half for one that goes down.
+// The last place of a cell's box for a ray that goes up, the first for one that goes down.
 int far_place(uint ends, int step) {
-    uint shift = step > 0 ? kLastPlaceShift : 0u;
-    return int((ends >> shift) & 0xFFFFu);
+    return int(step > 0 ? kMostPlace - (ends >> kLastPlaceShift) : ends & kMostPlace);
 }
 
 ivec3 far_corner(CELL cell, ivec3 place, ivec3 step, uint octant_shift) {
