@@ -93,7 +93,7 @@ LoadedScene load_motorbike() {
     return loaded;
 }
 
-/// Seen from above a street, so that houses near and far are in view.
+/// All of the town, from above.
 LoadedScene load_buildings() {
     LoadedScene loaded = read_mesh(kBuildings);
     loaded.scene.background = vec3(0.35f, 0.45f, 0.6f);
@@ -208,7 +208,7 @@ const std::vector<BuiltinScene>& scene_table() {
           "Debian openfoam-examples, GPL-3+"},
          load_motorbike,
          &kMotorbike},
-        {{"buildings", "a town, 11,245 of its triangles in one cell of a uniform grid",
+        {{"buildings", "a town: large walls beside small parts of houses",
           "Debian openfoam-examples, GPL-3+"},
          load_buildings,
          &kBuildings},

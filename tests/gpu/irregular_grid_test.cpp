@@ -2,8 +2,6 @@
 // and without one wrong hit.
 #include "core/irregular_grid/irregular_grid.h"
 
-#include <algorithm>
-#include <map>
 #include <optional>
 #include <set>
 
@@ -36,9 +34,9 @@ class IrregularGridStrategy : public GlTest {
 };
 
 std::vector<Ray> mixed_rays(const Scene& scene) {
-    std::vector<Ray> rays = primary_rays(scene, 48, 48);
+    std::vector<Ray> rays = primary_rays(scene, 32, 32);
     for (const std::vector<Ray>& more :
-         {random_rays(scene_bounds(scene), 4000, 7), awkward_rays(scene)}) {
+         {random_rays(scene_bounds(scene), 1500, 7), awkward_rays(scene)}) {
         rays.insert(rays.end(), more.begin(), more.end());
     }
     return rays;
@@ -77,7 +75,7 @@ TEST_F(IrregularGridStrategy, no_ray_aimed_at_corners_or_edges_is_answered_wrong
     for (const Scene& made : {make_balls_1(), make_instances(), make_ball_on_ground()}) {
         const ScenePtr scene = share(made);
         for (const char* kind : {"vertex", "edge"}) {
-            const std::vector<Ray> rays = rays_of_kind(kind, *scene, 48);
+            const std::vector<Ray> rays = rays_of_kind(kind, *scene, 32);
             expect_no_error(*make("irregular_grid/buffer/compute", scene), scene, rays,
                             made.name + ", " + kind);
         }
