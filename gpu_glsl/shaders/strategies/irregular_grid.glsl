@@ -10,10 +10,10 @@
 // The walk is that of `grid`, over another structure: small cells where triangles are small, large
 // ones where little or nothing is.
 //
-// Cells are boxes of places in one fine lattice. The walk knows its place; the storage finds the cell
-// that answers for it (storage/irregular_grid/irregular_cells.glsl), and the ray goes on to where it
-// leaves that cell's box: as `grid` leaves a cube of empty cells, and for the same reason without loss.
-// A box may reach over its neighbours, as long as the cell's list names all of their triangles: so
-// the place beyond it is all that is needed to go on.
+// Cells are boxes of places in one fine lattice. The walk knows its place; the storage finds the
+// cell that answers for it (storage/irregular_grid/irregular_cells.glsl), and the ray goes on to
+// where it leaves that cell's box: as `grid` leaves a cube of empty cells, and for the same reason
+// without loss. A box may reach over its neighbours, as long as the cell's list names all of their
+// triangles: so the place beyond it is all that is needed to go on.
 #pragma once
 #include "strategies/grid.glsl"

@@ -1,6 +1,6 @@
-// The cells of an object's grid where they are of any size: boxes of places in a fine lattice, found
-// through a tree of few levels. Frames, triangles, lists, instances and the top level are those of the
-// two-level grid.
+// The cells of an object's grid where they are of any size: boxes of places in a fine lattice,
+// found through a tree of few levels. Frames, triangles, lists, instances and the top level are
+// those of the two-level grid.
 //
 //   uint node_word(int index)
 //   uvec4 cell_record(int index)
@@ -10,8 +10,8 @@
 
 #define CELL uvec4
 
-// From the top cell that holds the place down to the cell that answers for it. A word of 0, which is
-// what lanes that are switched off read, ends the loop.
+// From the top cell that holds the place down to the cell that answers for it. A word of 0, which
+// is what lanes that are switched off read, ends the loop.
 CELL fetch_cell(Grid grid, ivec3 place) {
     int shift = grid.depth;
     ivec3 top = place >> shift;

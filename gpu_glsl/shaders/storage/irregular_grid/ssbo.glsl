@@ -1,5 +1,5 @@
-// Irregular grids in shader storage buffers (storage/irregular_grid/irregular_cells.glsl). What is read
-// once a ray or an instance stays in buffer textures.
+// Irregular grids in shader storage buffers (storage/irregular_grid/irregular_cells.glsl). What is
+// read once a ray or an instance stays in buffer textures.
 #pragma once
 #include "lib/dialect.glsl"
 
