@@ -1,8 +1,16 @@
 // The two-level grid in buffers, addressed by integers: what storage/two_level_grid/buffer.glsl and
-// ssbo.glsl have in common. They fetch the three tables that a walk reads at every step:
+// ssbo.glsl have in common. They fetch the tables that a walk reads at every step:
 //
-//   uint cell_word(int index), reference_word(int index)
+//   uint reference_word(int index)
 //   vec4 triangle_texel(int index)
+//
+// and an object's cells, as storage/two_level_grid/uniform_cells.glsl does:
+//
+//   CELL fetch_cell(Grid, ivec3 place)
+//   bool is_empty_cell(CELL)
+//   int first_reference(CELL)
+//   ivec3 far_corner(CELL, ivec3 place, ivec3 step, uint octant_shift)
+//                                  the last place where a ray from `place` on is in the cell
 //
 // All that belongs to a grid is stored in the grid's frame, so that an object far from the origin,
 // or of any size, is as precise as one of size 1 around it. The frame's origin is at a corner of
