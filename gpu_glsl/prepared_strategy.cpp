@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/grid/two_level_grid.h"
 #include "gpu_glsl/pack/bvh_buffers.h"
+#include "gpu_glsl/pack/irregular_grid_buffers.h"
 #include "gpu_glsl/pack/shading_tables.h"
 #include "gpu_glsl/pack/two_level_buffers.h"
 #include "gpu_glsl/pack/two_level_textures.h"
@@ -255,6 +256,75 @@ void pack_in_blocks(PreparedStrategy& prepared, const TextureLimits& limits) {
     pack_grid_as(prepared, limits, BufferKind::block);
 }
 
+// ---- Irregular grids in buffers -----------------------------------------------------------------
+
+std::vector<ParamInfo> irregular_grid_params() {
+    using Type = ParamInfo::Type;
+    const IrregularGridSettings settings;
+    return {
+        {"root_density",
+         Type::real,
+         fmt::format("{}", settings.top_density),
+         "cells per triangle of an object before any is divided",
+         {}},
+        {"density",
+         Type::real,
+         fmt::format("{}", settings.density),
+         "cells per triangle where a cell is divided (lambda)",
+         {}},
+        {"cell_cost",
+         Type::real,
+         fmt::format("{}", settings.cell_cost),
+         "cost of a step to a cell beside that of a triangle test",
+         {}},
+        {"expansions",
+         Type::integer,
+         fmt::format("{}", settings.expansions),
+         "passes that widen cells over their neighbours",
+         {}},
+        {"top_density",
+         Type::real,
+         fmt::format("{}", TwoLevelSizing{}.top.density),
+         "cells per instance of the top-level grid (lambda)",
+         {}},
+    };
+}
+
+void pack_irregular_grid(PreparedStrategy& prepared, const TextureLimits& limits,
+                         BufferKind kind) {
+    const Params& params = prepared.params;
+    const IrregularGridSettings settings{
+        .top_density = positive(params, "root_density"),
+        .density = positive(params, "density"),
+        .cell_cost = positive(params, "cell_cost"),
+        .expansions = static_cast<uint32_t>(std::clamp(params.integer("expansions"), 0L, 64L))};
+    const GridSizing top{.density = positive(params, "top_density")};
+    TwoLevelIrregularGrid grid =
+        build_two_level_irregular_grid(*prepared.scene, settings, top);
+    const auto start = std::chrono::steady_clock::now();
+    const auto object_builds = static_cast<double>(grid.objects.size());
+    const double build_ms = grid.build_ms;
+    TwoLevelBuffers packed =
+        pack_irregular_grid_buffers(*prepared.scene, std::move(grid), limits, kind);
+    prepared.stats = {{"build_ms", build_ms, "both levels, all threads"},
+                      {"pack_ms", ms_since(start), ""},
+                      {"object_builds", object_builds, "object grids built so far"},
+                      {"top_builds", 1.0, "top-level grids built so far"}};
+    if (!prepared.scene->animation.empty()) {
+        prepared.moving.emplace<MovingTopBuffers>(prepared.scene, top, packed, limits);
+    }
+    add_packed(prepared, packed);
+    prepared.param_constants.push_back(has_top_level(prepared));
+}
+
+void pack_irregular_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_irregular_grid(prepared, limits, BufferKind::texture);
+}
+
+void pack_irregular_in_blocks(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_irregular_grid(prepared, limits, BufferKind::block);
+}
+
 // ---- Bounding volume hierarchies in buffers ----------------------------------------------------
 
 std::vector<ParamInfo> bvh_params() {
@@ -304,6 +374,8 @@ constexpr Packing kPackings[] = {
     {"two_level_grid", "texture2d_virtual", two_level_params, pack_two_level_virtual},
     {"two_level_grid", "buffer", two_level_buffer_params, pack_in_buffers},
     {"two_level_grid", "ssbo", two_level_buffer_params, pack_in_blocks},
+    {"irregular_grid", "buffer", irregular_grid_params, pack_irregular_in_buffers},
+    {"irregular_grid", "ssbo", irregular_grid_params, pack_irregular_in_blocks},
     {"bvh", "buffer", bvh_params, pack_bvh},
 };
 

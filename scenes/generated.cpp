@@ -192,4 +192,27 @@ Scene make_big_small() {
     return scene;
 }
 
+Scene make_ball_on_ground() {
+    Scene scene;
+    scene.name = "ball-on-ground";
+    scene.background = vec3(0.35f, 0.45f, 0.6f);
+    scene.ambient = vec3(0.15f);
+    const uint32_t marble = add_material(scene, glossy("marble", vec3(0.75f, 0.7f, 0.6f), 60.0f));
+    const uint32_t ground = add_material(scene, matte("ground", vec3(0.35f, 0.42f, 0.25f)));
+
+    // One object, so that one grid holds both.
+    constexpr float kGroundSide = 500.0f;  // in radii of the ball
+    Object object;
+    object.name = "ball on ground";
+    append_shape(object, make_sphere(264, 133), translation(vec3(0, 1, 0)), "ball");
+    object.normals.clear();
+    append_shape(object, make_grid(8, 8), scaling(vec3(kGroundSide, 1, kGroundSide)), "ground");
+    scene.objects = {std::move(object)};
+    add_instance(scene, "ball on ground", 0, affine_identity(), {marble, ground});
+
+    scene.lights = {light("key", vec3(4, 7, 5), vec3(0.85f, 0.82f, 0.75f))};
+    scene.cameras = {camera(vec3(2.4f, 2.6f, 4.2f), vec3(0, 0.85f, 0))};
+    return scene;
+}
+
 }  // namespace onepass

@@ -26,6 +26,10 @@ constexpr MeshFile kCornell{"cornell_box.obj", "/usr/share/doc/embree3/models", 
 constexpr MeshFile kMotorbike{"motorBike.obj.gz",
                               "/usr/share/doc/openfoam-examples/examples/resources/geometry",
                               "openfoam-examples"};
+constexpr MeshFile kBuildings{"buildings.obj.gz",
+                              "/usr/share/doc/openfoam-examples/examples/incompressible/"
+                              "simpleFoam/windAroundBuildings/constant/triSurface",
+                              "openfoam-examples"};
 constexpr MeshFile kSr71a{"Blackbird-SR71A-lowpoly.ac",
                           "/usr/share/games/flightgear/AI/Aircraft/SR-71", "flightgear-data-ai",
                           "./dev meshes sr71a"};
@@ -85,6 +89,16 @@ LoadedScene load_motorbike() {
     loaded.scene.background = vec3(0.2f, 0.23f, 0.28f);
     loaded.scene.cameras = {
         published_view(scene_bounds(loaded.scene), vec3(-0.5f, -1.0f, 0.35f), vec3(0, 0, 1))};
+    supply_missing(loaded);
+    return loaded;
+}
+
+/// All of the town, from above.
+LoadedScene load_buildings() {
+    LoadedScene loaded = read_mesh(kBuildings);
+    loaded.scene.background = vec3(0.35f, 0.45f, 0.6f);
+    loaded.scene.cameras = {
+        published_view(scene_bounds(loaded.scene), vec3(-0.8f, -1.0f, 0.7f), vec3(0, 0, 1))};
     supply_missing(loaded);
     return loaded;
 }
@@ -181,6 +195,9 @@ const std::vector<BuiltinScene>& scene_table() {
         generated(
             {"big-small", "6 large triangles over 20,000 small ones in one object", "generated"},
             make_big_small),
+        generated(
+            {"ball-on-ground", "a dense ball on a ground of 500 radii in one object", "generated"},
+            make_ball_on_ground),
 
         // Real meshes.
         {{"bunny", "closed scanned mesh", "Debian glmark2-data, GPL-3+"}, load_bunny, &kBunny},
@@ -191,6 +208,10 @@ const std::vector<BuiltinScene>& scene_table() {
           "Debian openfoam-examples, GPL-3+"},
          load_motorbike,
          &kMotorbike},
+        {{"buildings", "a town: large walls beside small parts of houses",
+          "Debian openfoam-examples, GPL-3+"},
+         load_buildings,
+         &kBuildings},
         {{"sr71a-real", "the aircraft in 148 parts", "Debian flightgear-data-ai, GPL-2+"},
          load_sr71a_real,
          &kSr71a},

@@ -73,5 +73,8 @@ Scene make_lumpy_ball(uint64_t triangles);
 /// Six large triangles over a field of many small ones: a large triangle is referenced by many
 /// cells, and a hit outside the current cell must not be accepted early.
 Scene make_big_small();
+/// A ball of 69,696 triangles on a ground of 128 that is 500 of its radii wide, in one object: what
+/// a grid of one cell size serves badly. The camera sees the ball from near by.
+Scene make_ball_on_ground();
 
 }  // namespace onepass

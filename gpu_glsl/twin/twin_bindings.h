@@ -151,7 +151,8 @@ class WordSampler {
     const TextureData* buffer_;
 };
 
-/// A storage block's array of T, read by index: unsigned integers, or vectors of four floats.
+/// A storage block's array of T, read by index: unsigned integers, or vectors of four of them or of
+/// four floats.
 template <class T>
 class StorageSampler : public BufferSampler<typename T::value_type> {
   public:
@@ -167,6 +168,12 @@ class StorageSampler<glm::uint> {
 
   private:
     WordSampler words_;
+};
+
+template <>
+class StorageSampler<glm::uvec4> : public WordSampler {
+  public:
+    using WordSampler::WordSampler;
 };
 
 }  // namespace onepass::twin

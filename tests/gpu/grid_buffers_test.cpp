@@ -60,9 +60,18 @@ TEST(GridBuffers, of_an_object_are_the_same_alone_and_behind_another) {
     const auto& references = alone.inputs.texture("references").words;
     EXPECT_EQ(words_behind("references"),
               std::vector<uint32_t>(references.begin(), references.end()));
-    const auto& corners = both.inputs.texture("triangles").texels;
-    const auto& own = alone.inputs.texture("triangles").texels;
-    EXPECT_TRUE(std::equal(own.begin(), own.end(), corners.end() - std::ptrdiff_t(own.size())));
+    const auto& planes = both.inputs.texture("planes").texels;
+    const auto& own = alone.inputs.texture("planes").texels;
+    EXPECT_TRUE(std::equal(own.begin(), own.end(), planes.end() - std::ptrdiff_t(own.size())));
+    // So do triangles behind the other's vertices.
+    const auto& vertices = alone.inputs.texture("vertices").words;
+    EXPECT_EQ(words_behind("vertices"), std::vector<uint32_t>(vertices.begin(), vertices.end()));
+    std::vector<uint32_t> corners(alone.inputs.texture("corners").words.begin(),
+                                  alone.inputs.texture("corners").words.end());
+    for (uint32_t& corner : corners) {
+        corner += static_cast<uint32_t>(objects[0].positions.size());
+    }
+    EXPECT_EQ(words_behind("corners"), corners);
 }
 
 TEST(GridBuffers, hold_each_cells_list_and_its_end) {

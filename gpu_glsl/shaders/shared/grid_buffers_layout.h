@@ -5,7 +5,7 @@
 // the centre.
 const int kGridFrameTexels = 5;
 
-// Integers: dims and the index of the first cell; then first triangle, 0, 0, 0.
+// Integers: dims and the index of the first cell; then first triangle, depth, 0, 0.
 const int kGridNumberTexels = 2;
 
 // What floats test (pack/barycentric_planes.h), from the centre of the object's grid.

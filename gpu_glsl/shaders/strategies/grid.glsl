@@ -45,11 +45,6 @@ bool is_before(uint inst_id, uint prim_id, Hit other) {
     return inst_id < other.inst_id || (inst_id == other.inst_id && prim_id < other.prim_id);
 }
 
-// The edge of the empty cube that the ray may cross at once in an empty cell, in cells, biased.
-float cube_ahead(uint cell, uint octant) {
-    return skip_empty == 1 ? empty_cube(cell, octant) : biased(1u);
-}
-
 // Whether what was found answers the ray, wherever the nearest hit may be.
 bool is_enough(Nearest nearest) { return any_hit_suffices && is_hit(nearest.hit); }
 
@@ -111,14 +106,16 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, Near
     if (is_resumed) walk.left = earlier.left;
     for (int steps = step_budget(grid); steps > 0; --steps) {
         // On to the next full cell.
-        uint cell = cell_word(cell_index(walk));
+        CELL cell = fetch_cell(grid, walk);
         for (; steps > 0; --steps) {
             count_cell();
             NOTE_CELL(inst_id, cell_of(grid, walk));
             if (!is_empty_cell(cell)) break;
-            now.is_over = !leave_cells(walk, cube_ahead(cell, octant), min(end, bracket.to));
+            vec3 behind = skip_empty == 1 ? left_behind_empty(cell, walk, octant)
+                                          : left_behind_cube(walk, biased(1u));
+            now.is_over = !leave_cells(walk, behind, min(end, bracket.to));
             if (now.is_over) break;
-            cell = cell_word(cell_index(walk));
+            cell = fetch_cell(grid, walk);
         }
         if (now.is_over || steps == 0) break;
 
@@ -156,7 +153,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, Near
             ++at;
         }
         if (is_in_list) break;  // to decide, or the driver ended the loop
-        now.is_over = !leave_cells(walk, biased(1u), min(end, bracket.to));
+        now.is_over = !leave_cells(walk, left_behind_full(cell, walk), min(end, bracket.to));
         if (now.is_over) break;
     }
     now.left = walk.left;
@@ -258,9 +255,9 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
             }
         }
         if (is_in_list || is_over) break;  // over, or the driver ended the loop
-        float edge = mix(biased(1u), cube_ahead(cell, octant), is_empty_cell(cell));
+        float edge = mix(biased(1u), empty_cube(cell, octant), is_empty_cell(cell));
         float bound = lesser(end, bracket_of(t_along(course, nearest.t)).to);
-        is_over = !leave_cells(walk, edge, bound);
+        is_over = !leave_cells(walk, left_behind_cube(walk, edge), bound);
         if (is_over) break;
     }
     if (!is_over) ray_flags |= kFlagExhausted;

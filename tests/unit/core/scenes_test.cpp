@@ -230,8 +230,8 @@ TEST(LoadScene, knows_every_name_that_it_lists) {
     for (const SceneInfo& info : builtin_scenes()) names.push_back(info.name);
     EXPECT_EQ(names, (std::vector<std::string>{"balls-1", "chair-wood", "palm-pc", "knife", "sr71a",
                                                "palace", "hind24", "hind24-flying", "instances",
-                                               "big-small", "bunny", "cornell", "motorbike",
-                                               "sr71a-real"}));
+                                               "big-small", "ball-on-ground", "bunny", "cornell",
+                                               "motorbike", "buildings", "sr71a-real"}));
     for (const char* name : {"balls-1", "instances", "big-small"}) {
         EXPECT_EQ(load_scene(name).scene.name, name);
     }
@@ -240,7 +240,7 @@ TEST(LoadScene, knows_every_name_that_it_lists) {
 TEST(LoadScene, lists_the_names_when_it_knows_neither_name_nor_file) {
     const Error error = error_of([] { load_scene("teapot"); });
     EXPECT_TRUE(contains(error.parts().where, "teapot"));
-    EXPECT_TRUE(contains(error.parts().expected, "big-small, bunny, cornell"));
+    EXPECT_TRUE(contains(error.parts().expected, "big-small, ball-on-ground, bunny"));
     EXPECT_TRUE(test::is_clear(error));
 }
 

@@ -90,9 +90,10 @@ float left_at(float t, float t_leave, float cells_per_t) {
 Walk begin_walk(Grid grid, Course course, float t) {
     Walk walk;
     vec3 inverse = 1.0 / course.dir;
-    vec3 far = vec3(mix(grid.upper.x, grid.lower.x, course.dir.x < 0.0),
-                    mix(grid.upper.y, grid.lower.y, course.dir.y < 0.0),
-                    mix(grid.upper.z, grid.lower.z, course.dir.z < 0.0));
+    vec3 upper = grid.lower + vec3(grid.dims) * grid.cell;
+    vec3 far = vec3(mix(upper.x, grid.lower.x, course.dir.x < 0.0),
+                    mix(upper.y, grid.lower.y, course.dir.y < 0.0),
+                    mix(upper.z, grid.lower.z, course.dir.z < 0.0));
     walk.t_leave = (far - course.org) * inverse;
     walk.t_edge = grid.cell * abs(inverse);
     walk.cells_per_t = grid.cells_per_unit * abs(course.dir);
@@ -135,10 +136,13 @@ float left_beside(float t, float t_exit, float behind, float left, float t_leave
     return mix(min(left, left_at(t, t_leave, cells_per_t)), behind + bias(), t_exit <= t);
 }
 
-// Leaves the cube of cells that begins with the walk's and has this edge, biased. False if the ray
-// ends in it: at t = end, which is no later than where it leaves the grid.
-bool leave_cells(INOUT(Walk) walk, float edge, float end) {
-    vec3 behind = walk.left - vec3(edge);  // what is left behind the cube, not biased
+// How many cells are left, not biased, behind the cube of that edge, biased, that begins with the
+// walk's cell.
+vec3 left_behind_cube(Walk walk, float edge) { return walk.left - vec3(edge); }
+
+// Leaves a box of cells, behind which so many are left. False if the ray ends in it: at t = end, which
+// is no later than where it leaves the grid.
+bool leave_cells(INOUT(Walk) walk, vec3 behind, float end) {
     vec3 t_exit = walk.t_leave - behind * walk.t_edge;
     float t = min(t_exit.x, min(t_exit.y, t_exit.z));
     walk.left = vec3(left_beside(t, t_exit.x, behind.x, walk.left.x, walk.t_leave.x,

@@ -15,3 +15,4 @@ uint corner_word(int index) { return FETCHBUFFER(corners, index).x; }
 uint vertex_word(int index) { return FETCHBUFFER(vertices, index).x; }
 
 #include "storage/two_level_grid/grid_buffers.glsl"
+#include "storage/two_level_grid/uniform_cells.glsl"

@@ -1,12 +1,14 @@
 // The two-level grid in buffers, addressed by integers: what storage/two_level_grid/buffer.glsl and
-// ssbo.glsl have in common. They fetch the three tables that a walk reads at every step:
+// ssbo.glsl have in common. They fetch the tables that a walk reads at every step:
 //
-//   uint cell_word(int index), reference_word(int index)
+//   uint reference_word(int index)
 //   vec4 planes_texel(int index)
 //
-// and two that a decision reads: an object's vertices, and which of them a triangle has
+// two that a decision reads, an object's vertices and which of them a triangle has:
 //
 //   uint corner_word(int index), vertex_word(int index)
+//
+// and an object's cells, as storage/two_level_grid/uniform_cells.glsl does.
 //
 // All that belongs to a grid is stored in the grid's frame, so that an object far from the origin,
 // or of any size, is as precise as one of size 1 around it. The frame's origin is at a corner of
@@ -37,6 +39,7 @@ struct Grid {
     ivec3 dims;
     int first_cell;
     int first_triangle;
+    int depth;           // of an irregular grid: its cells' cubes are divided by 2^depth; else 0
 };
 
 Grid fetch_grid(int number) {
@@ -46,7 +49,8 @@ Grid fetch_grid(int number) {
     return Grid(vec3(FETCHBUFFER(grid_frames, at + 4)), vec3(FETCHBUFFER(grid_frames, at)),
                 vec3(FETCHBUFFER(grid_frames, at + 1)), vec3(FETCHBUFFER(grid_frames, at + 2)),
                 vec3(FETCHBUFFER(grid_frames, at + 3)),
-                ivec3(int(dims.x), int(dims.y), int(dims.z)), int(dims.w), int(first.x));
+                ivec3(int(dims.x), int(dims.y), int(dims.z)), int(dims.w), int(first.x),
+                int(first.y));
 }
 
 // ---- Cells and lists: a word each --------------------------------------------------------------

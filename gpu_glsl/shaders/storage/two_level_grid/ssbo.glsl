@@ -16,3 +16,4 @@ uint corner_word(int index) { return FETCHSTORAGE(corners, index); }
 uint vertex_word(int index) { return FETCHSTORAGE(vertices, index); }
 
 #include "storage/two_level_grid/grid_buffers.glsl"
+#include "storage/two_level_grid/uniform_cells.glsl"

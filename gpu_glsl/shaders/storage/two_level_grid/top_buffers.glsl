@@ -13,7 +13,7 @@ UNIFORM(vec3, top_dims)
 
 Grid fetch_top_grid() {
     return Grid(vec3(0.0), top_lower, top_upper, top_cell, top_cells_per_unit,
-                ivec3(int(top_dims.x), int(top_dims.y), int(top_dims.z)), 0, 0);
+                ivec3(int(top_dims.x), int(top_dims.y), int(top_dims.z)), 0, 0, 0);
 }
 
 uint top_cell_word(int index) { return FETCHBUFFER(top_cells, index).x; }

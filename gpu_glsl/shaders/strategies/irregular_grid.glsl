@@ -1,0 +1,19 @@
+//! strategy: irregular_grid
+//! summary: the robust walk through cells of any size: divided, merged and expanded as triangles ask
+//! source: Kalojanov, Billeter & Slusallek 2011; Perard-Gayot, Kalojanov & Slusallek 2017
+//! structure: irregular_grid
+//! storage: buffer ssbo
+//! entries: fragment compute
+//! gl: 4.3
+//! twin: yes
+
+// The walk is that of `grid`, over another structure: small cells where triangles are small, large
+// ones where little or nothing is.
+//
+// Cells are boxes of places in one fine lattice. The walk knows its place; the storage finds the
+// cell that answers for it (storage/irregular_grid/irregular_cells.glsl), and the ray goes on to
+// where it leaves that cell's box: as `grid` leaves a cube of empty cells, and for the same reason
+// without loss. A box may reach over its neighbours, as long as the cell's list names all of their
+// triangles: so the place beyond it is all that is needed to go on.
+#pragma once
+#include "strategies/grid.glsl"
