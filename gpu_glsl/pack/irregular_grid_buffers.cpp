@@ -112,7 +112,8 @@ TwoLevelIrregularGrid build_two_level_irregular_grid(const Scene& scene,
     for (const IrregularGrid& object : grid.objects) {
         UniformGrid& around = grid.around.objects.emplace_back();
         around.bounds = object.bounds;
-        around.cell_begin = {0, 0};
+        around.cell_begin = {0, 1};
+        around.references = {0};
     }
     const std::chrono::duration<double, std::milli> elapsed =
         std::chrono::steady_clock::now() - start;

@@ -12,8 +12,8 @@ namespace onepass {
 
 /// A grid over instances, and an irregular one an object over its triangles.
 struct TwoLevelIrregularGrid {
-    /// `objects` lie where the irregular grids do, of one cell each and without references: what
-    /// frames, instances and the top level are packed from.
+    /// `objects` lie where the irregular grids do, of one cell and one reference each: what frames,
+    /// instances and the top level are packed from.
     TwoLevelGrid around;
     std::vector<IrregularGrid> objects;
     double build_ms = 0.0;  ///< wall time of the build

@@ -31,7 +31,6 @@
 #include "lib/triangle/rule_out.glsl"
 
 CONSTANT(bool, has_top_level)  // false: one instance, and no grid over it
-CONSTANT(int, skip_empty)
 CONSTANT(int, decide)
 const int kInFloats = 1;  // of decide
 
@@ -111,9 +110,8 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, Near
             count_cell();
             NOTE_CELL(inst_id, cell_of(grid, walk));
             if (!is_empty_cell(cell)) break;
-            vec3 behind = skip_empty == 1 ? left_behind_empty(cell, walk, octant)
-                                          : left_behind_cube(walk, biased(1u));
-            now.is_over = !leave_cells(walk, behind, min(end, bracket.to));
+            now.is_over = !leave_cells(walk, left_behind_empty(cell, walk, octant),
+                                       min(end, bracket.to));
             if (now.is_over) break;
             cell = fetch_cell(grid, walk);
         }

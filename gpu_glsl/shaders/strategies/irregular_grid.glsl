@@ -6,6 +6,9 @@
 //! entries: fragment compute
 //! gl: 4.3
 //! twin: yes
+//! param: decide choice(doubles,floats) doubles what decides where floats cannot tell; floats err
+//! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
+//! param: specialise integer 1 leave out what the scene lacks; 0: one shader for all scenes
 
 // The walk is that of `grid`, over another structure: small cells where triangles are small, large
 // ones where little or nothing is.

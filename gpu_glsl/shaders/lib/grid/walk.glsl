@@ -105,7 +105,8 @@ Walk begin_walk(Grid grid, Course course, float t) {
     walk.left = clamp(left, vec3(biased(1u)), most);
 
     // A ray that goes up an axis has left = dims - cell, one that goes down left = cell + 1.
-    ivec3 stride = ivec3(1, grid.dims.x, grid.dims.x * grid.dims.y);
+    // (Places of an irregular grid have no index: of the strides only the signs are used.)
+    ivec3 stride = grid.depth > 0 ? ivec3(1) : ivec3(1, grid.dims.x, grid.dims.x * grid.dims.y);
     ivec3 up = ivec3(course.dir.x < 0.0 ? 0 : 1, course.dir.y < 0.0 ? 0 : 1,
                      course.dir.z < 0.0 ? 0 : 1);
     walk.stride = stride * (1 - 2 * up);

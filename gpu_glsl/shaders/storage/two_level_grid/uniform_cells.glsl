@@ -14,13 +14,15 @@
 
 #include "lib/grid/walk.glsl"
 
+CONSTANT(int, skip_empty)  // 0: cell by cell through empty space as well
+
 #define CELL uint
 
 CELL fetch_cell(Grid grid, Walk walk) { return cell_word(cell_index(walk)); }
 
 // An empty cell's cube ahead.
 vec3 left_behind_empty(CELL cell, Walk walk, uint octant_shift) {
-    return left_behind_cube(walk, empty_cube(cell, octant_shift));
+    return left_behind_cube(walk, skip_empty == 1 ? empty_cube(cell, octant_shift) : biased(1u));
 }
 
 vec3 left_behind_full(CELL cell, Walk walk) { return left_behind_cube(walk, biased(1u)); }
