@@ -290,8 +290,7 @@ std::vector<ParamInfo> irregular_grid_params() {
     };
 }
 
-void pack_irregular_grid(PreparedStrategy& prepared, const TextureLimits& limits,
-                         BufferKind kind) {
+void pack_irregular_grid(PreparedStrategy& prepared, const TextureLimits& limits, BufferKind kind) {
     const Params& params = prepared.params;
     const IrregularGridSettings settings{
         .top_density = positive(params, "root_density"),
@@ -299,8 +298,7 @@ void pack_irregular_grid(PreparedStrategy& prepared, const TextureLimits& limits
         .cell_cost = positive(params, "cell_cost"),
         .expansions = static_cast<uint32_t>(std::clamp(params.integer("expansions"), 0L, 64L))};
     const GridSizing top{.density = positive(params, "top_density")};
-    TwoLevelIrregularGrid grid =
-        build_two_level_irregular_grid(*prepared.scene, settings, top);
+    TwoLevelIrregularGrid grid = build_two_level_irregular_grid(*prepared.scene, settings, top);
     const auto start = std::chrono::steady_clock::now();
     const auto object_builds = static_cast<double>(grid.objects.size());
     const double build_ms = grid.build_ms;

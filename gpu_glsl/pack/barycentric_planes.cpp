@@ -33,8 +33,8 @@ Corners widened(const Corners& thin) {
     constexpr double kHeight = 1.0 / 4096.0;
     std::array<Corners, 3> turns = {
         {{thin.a, thin.b, thin.c}, {thin.b, thin.c, thin.a}, {thin.c, thin.a, thin.b}}};
-    const auto [from, to, third] = *std::ranges::max_element(
-        turns, {}, [](const Corners& t) { return distance(t.a, t.b); });
+    const auto [from, to, third] =
+        *std::ranges::max_element(turns, {}, [](const Corners& t) { return distance(t.a, t.b); });
     const double length = distance(from, to);
     const dvec3 along = length > 0.0 ? (to - from) / length : dvec3(1.0, 0.0, 0.0);
     const dvec3 offset = third - from - dot(third - from, along) * along;
@@ -49,12 +49,11 @@ Corners widened(const Corners& thin) {
 void put_barycentric_planes(float* out, const dvec3& v0, const dvec3& v1, const dvec3& v2) {
     constexpr double kThin = 1.0 / (1 << 20);
     const auto edges_squared = [](const Corners& t) {
-        return std::max({dot(t.b - t.a, t.b - t.a), dot(t.c - t.b, t.c - t.b),
-                         dot(t.a - t.c, t.a - t.c)});
+        return std::max(
+            {dot(t.b - t.a, t.b - t.a), dot(t.c - t.b, t.c - t.b), dot(t.a - t.c, t.a - t.c)});
     };
     Corners t{v0, v1, v2};
-    const bool is_thin =
-        !(glm::length(cross(t.b - t.a, t.c - t.a)) > kThin * edges_squared(t));
+    const bool is_thin = !(glm::length(cross(t.b - t.a, t.c - t.a)) > kThin * edges_squared(t));
     if (is_thin) t = widened(t);
 
     const dvec3 normal = cross(t.b - t.a, t.c - t.a);

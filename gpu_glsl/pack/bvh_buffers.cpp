@@ -64,8 +64,7 @@ void put_triangles(float* corners, float* planes, uint32_t* primitives, const Ob
                 std::array<dvec3, 3> stored;  // from the centre
                 for (size_t v = 0; v < stored.size(); ++v) {
                     float* const out = corners + 4 * (kBvhTriangleTexels * slot + v);
-                    const dvec3 p(
-                        object.positions[object.triangles[prim_id][static_cast<int>(v)]]);
+                    const dvec3 p(object.positions[object.triangles[prim_id][static_cast<int>(v)]]);
                     const dvec3 q = (p - frame.origin) * frame.scale;
                     for (int axis = 0; axis < 3; ++axis) {
                         out[axis] = static_cast<float>(q[axis]);
@@ -136,8 +135,8 @@ BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh,
         make_word_buffer("bvh_nodes", "nodes", places.back().node * kBvhNodeTexels, 4, limits);
     TextureData vertices = make_float_buffer("bvh_vertices", "triangles",
                                              places.back().slot * kBvhTriangleTexels, limits);
-    TextureData planes = make_float_buffer("bvh_planes", "triangles",
-                                           places.back().slot * kBvhPlanesTexels, limits);
+    TextureData planes =
+        make_float_buffer("bvh_planes", "triangles", places.back().slot * kBvhPlanesTexels, limits);
     TextureData primitives =
         make_word_buffer("bvh_primitives", "triangles", places.back().slot, 1, limits);
     std::vector<GridFrame> frames;
@@ -148,8 +147,8 @@ BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh,
         put_nodes(&nodes.words[4 * kBvhNodeTexels * at.node], tree, frames.back(),
                   static_cast<uint32_t>(at.node), static_cast<uint32_t>(at.slot));
         put_triangles(&vertices.texels[4 * kBvhTriangleTexels * at.slot],
-                      &planes.texels[4 * kBvhPlanesTexels * at.slot],
-                      &primitives.words[at.slot], scene.objects[k], tree, frames.back());
+                      &planes.texels[4 * kBvhPlanesTexels * at.slot], &primitives.words[at.slot],
+                      scene.objects[k], tree, frames.back());
     }
 
     // The instances and the tree over them, which is in the world as it is.

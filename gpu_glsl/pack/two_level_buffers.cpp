@@ -112,16 +112,15 @@ RawVector<uint32_t> pack_vertices(const Scene& scene, std::span<const GridFrame>
     for (size_t k = 0; k < scene.objects.size(); ++k) {
         const std::vector<vec3>& positions = scene.objects[k].positions;
         uint32_t* const out = vertices.data() + 3 * first_vertex[k];
-        tbb::parallel_for(tbb::blocked_range<size_t>(0, positions.size(), 1 << 14),
-                          [&](const auto& range) {
-                              for (size_t i = range.begin(); i != range.end(); ++i) {
-                                  const vec3 p = in_frame(positions[i], frames[k]);
-                                  for (int axis = 0; axis < 3; ++axis) {
-                                      out[3 * i + static_cast<size_t>(axis)] =
-                                          std::bit_cast<uint32_t>(p[axis]);
-                                  }
-                              }
-                          });
+        tbb::parallel_for(
+            tbb::blocked_range<size_t>(0, positions.size(), 1 << 14), [&](const auto& range) {
+                for (size_t i = range.begin(); i != range.end(); ++i) {
+                    const vec3 p = in_frame(positions[i], frames[k]);
+                    for (int axis = 0; axis < 3; ++axis) {
+                        out[3 * i + static_cast<size_t>(axis)] = std::bit_cast<uint32_t>(p[axis]);
+                    }
+                }
+            });
     }
     return vertices;
 }
@@ -287,7 +286,7 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
     };
     add(word_buffer_of("cells", "cells", joined(grids, &UniformGrid::cell_begin), limits, kind));
     add(word_buffer_of("references", "references", joined(grids, &UniformGrid::references), limits,
-                        kind));
+                       kind));
     PackedTriangles triangles =
         pack_triangles(scene, grids, packed.frames, first_triangle, first_vertex);
     add(float_buffer_of("planes", "triangles", std::move(triangles.planes), limits, kind));

@@ -120,7 +120,8 @@ TEST_F(IrregularGridStrategy, a_walk_tests_all_of_each_cells_list_and_leaves_its
         for (size_t k = 0; k < walk.steps.size(); ++k) {
             const WalkStep& step = walk.steps[k];
             const IrregularCell& cell = grid.cells[grid.cell_at(uvec3(step.cell))];
-            // A list that was put aside for a decision is taken up where it stopped, in another step.
+            // A list that was put aside for a decision is taken up where it stopped, in another
+            // step.
             std::set<uint32_t> tested;
             for (const WalkTest& test : step.tests) tested.insert(test.prim_id);
             for (; k + 1 < walk.steps.size() && walk.steps[k + 1].cell == step.cell; ++k) {

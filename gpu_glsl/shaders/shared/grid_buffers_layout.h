@@ -11,17 +11,18 @@ const int kGridNumberTexels = 2;
 // What floats test (pack/barycentric_planes.h), from the centre of the object's grid.
 const int kPlanesTexels = 3;
 
-// A word a cell. An empty one has this bit, and below it, for each octant of directions, the code of
-// the edge of an empty cube ahead (core/grid/empty_space.h): 1 + code (code + 1) / 2. A full one is
-// the index of its first reference.
+// A word a cell. An empty one has this bit, and below it, for each octant of directions, the code
+// of the edge of an empty cube ahead (core/grid/empty_space.h): 1 + code (code + 1) / 2. A full one
+// is the index of its first reference.
 const uint kEmptyCell = 0x80000000u;
 
 // Lists hold what is within a pad of their cell; so many pads make a cell's edge
 // (core/grid/uniform_grid.h: kBinningPad).
 const int kListPadsACell = 512;
 
-// A word a reference: this bit says that the list goes on. (So a word of 0 ends it: that is what lanes
-// that are switched off read from storage blocks on a software renderer, while they run loops.)
+// A word a reference: this bit says that the list goes on. (So a word of 0 ends it: that is what
+// lanes that are switched off read from storage blocks on a software renderer, while they run
+// loops.)
 const uint kMoreReferences = 0x80000000u;
 
 // q = M (p - place) - origin takes the world to the frame of the object's grid. The rows of M, each
