@@ -89,7 +89,8 @@ SharpHit sharp_hit(LocalRay ray, Triangle triangle) {
     if (is_outside || is_beside || area == 0.0) return SharpHit(false, double(infinity()), 0.0, 0.0);
 
     PRECISE double z = w0 * a.at.z + w1 * b.at.z + w2 * c.at.z;
+    // One quotient, so that triangles that share a corner mostly say the same t there.
+    PRECISE double t = z / (area * dir.z);
     double inverse_area = inverse_of(area);
-    PRECISE double t = (z * inverse_area) * inverse_z;
     return SharpHit(true, t, float(w1 * inverse_area), float(w2 * inverse_area));
 }
