@@ -106,9 +106,9 @@ bool within_bounds(const CheckRecord& record) {
 }
 
 /// Tallies one tracer, in the order of the rays.
-HitComparison tallied(std::span<const Ray> rays, std::span<const CastResult> all, size_t tracer,
-                      const CastResult& oracle, std::span<const Judgement> judgements,
-                      const HitCheckOptions& options) {
+HitComparison tallied(std::span<const Ray> rays, Query query, std::span<const CastResult> all,
+                      size_t tracer, const CastResult& oracle,
+                      std::span<const Judgement> judgements, const HitCheckOptions& options) {
     const CastResult& answers = all[tracer];
     HitComparison comparison;
     comparison.classes.resize(rays.size());
@@ -126,7 +126,7 @@ HitComparison tallied(std::span<const Ray> rays, std::span<const CastResult> all
         }
         record.hit_count += truth.is_hit();
         record.wrong_triangle +=
-            answer.is_hit() && truth.is_hit() &&
+            query == Query::closest && answer.is_hit() && truth.is_hit() &&
             std::tie(answer.prim_id, answer.inst_id) != std::tie(truth.prim_id, truth.inst_id);
 
         Verdict verdict = unjudged_agreement(answer, truth);
@@ -188,7 +188,7 @@ std::vector<HitComparison> compare_hits(std::span<const Ray> rays, Query query,
     const std::vector<Judgement> judgements = judged(rays, query, answers, oracle, judge, options);
     std::vector<HitComparison> comparisons;
     for (size_t tracer = 0; tracer < answers.size(); ++tracer) {
-        comparisons.push_back(tallied(rays, answers, tracer, oracle, judgements, options));
+        comparisons.push_back(tallied(rays, query, answers, tracer, oracle, judgements, options));
         comparisons.back().record.judge = judge.name();
     }
     return comparisons;

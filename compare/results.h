@@ -90,7 +90,7 @@ struct CheckRecord {
     std::array<ClassTally, kHitClassCount> classes;         ///< the tracer's, by HitClass
     std::array<uint64_t, kHitClassCount> oracle_classes{};  ///< the oracle's own, on judged rays
     uint64_t judged = 0;          ///< rays that went to the judge (the rest agreed with the oracle)
-    uint64_t wrong_triangle = 0;  ///< rays whose ids differ from the oracle's, both being hits
+    uint64_t wrong_triangle = 0;  ///< rays whose ids differ from the oracle's, both nearest hits
     uint64_t hit_count = 0;       ///< rays that the oracle says hit
     uint64_t oracle_invalid = 0;  ///< rays the oracle cannot take; not in any class
     uint64_t exhausted = 0;       ///< rays that ran out of a loop budget

@@ -200,6 +200,14 @@ TEST(CompareHits, tells_instances_apart) {
     EXPECT_EQ(count(comparison.record, HitClass::wrong_surface), 1u);
 }
 
+TEST(CompareHits, asks_for_no_ids_where_any_hit_will_do) {
+    const auto rays = numbered_rays(1);
+    const FakeJudge judge([](const Ray&, const Hit&) { return verdict_of(HitClass::agree); });
+    const auto comparison = compare_hits(rays, Query::any, cast_of({hit_at(0.5f, 3)}),
+                                         cast_of({hit_at(1.0f, 4)}), judge, without_sample());
+    EXPECT_EQ(comparison.record.wrong_triangle, 0u);
+}
+
 TEST(CompareHits, counts_rays_the_oracle_cannot_take_in_no_class) {
     const auto rays = numbered_rays(3);
     const CastResult answers = cast_of({hit_at(1.0f), hit_at(5.0f, 5), hit_at(1.0f)});
