@@ -303,6 +303,22 @@ TEST_F(GridStrategy, the_finest_grid_loses_nothing_beside_the_corners_of_cells_s
     }
 }
 
+TEST_F(GridStrategy, of_the_triangles_at_a_corner_nearly_all_rays_name_the_lowest) {
+    // They do if each says the same t there, to the last bit of a double: one quotient, once
+    // rounded.
+    const ScenePtr scene = ball_at(vec3(0.0f), 1.0f);
+    const auto judge = make_exact_judge(scene);
+    const auto rays = rays_of_kind("vertex", *scene, 48);
+    const CastResult result = cast(*make("grid/buffer/twin32", scene), rays);
+    size_t higher = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        const Verdict verdict =
+            judge->judge(rays[i], Query::closest, std::span(&result.hits[i], 1)).front();
+        higher += verdict.hit_class == HitClass::tie;
+    }
+    EXPECT_LE(higher, rays.size() / 100);
+}
+
 TEST_F(GridStrategy, neither_the_order_of_triangles_nor_that_of_instances_shows_in_a_hit) {
     // The palace's walls, stairs and floor touch each other; and every triangle is there twice.
     Scene scene = make_palace();
