@@ -18,7 +18,7 @@
 //    doubles (storage/two_level_grid/grid_buffers.glsl).
 // 2. The ray's origin is moved to where it enters the grid, so that rounding goes with the grid's
 //    size and not with the ray's length. From there on all numbers are floats.
-// 3. Cells are integers, their planes are computed, not added up, and empty space is crossed at once
+// 3. Cells are whole numbers, their planes are computed, not added up, and empty space is crossed at once
 //    (lib/grid/walk.glsl).
 // 4. A hit counts wherever it lies; the walk ends when the nearest is not beyond the cell's end.
 // 5. The triangle test says by how much rounding can have decided (lib/triangle/rule_out.glsl).
@@ -95,7 +95,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, Near
     now.is_over = false;
     now.found = nearest.hit.inst_id == inst_id ? nearest.hit.prim_id : kNoId;
     Bracket bracket = bracket_of(t_along(course, min(nearest.t, double(ray.tmax))));
-    Sight sight = Sight(course.org, course.dir, 1.0);
+    Sight sight = sight_from(course.org, course.dir);
     Walk walk = begin_walk(grid, course, begin);
     uint octant = octant_shift(walk);
     end = min(end, smallest(walk.t_leave));
@@ -167,7 +167,7 @@ void decide_on(uint inst_id, Ray ray, float start, uint prim_id, INOUT(Nearest) 
     double t;
     if (decide == kInFloats) {
         Course course = course_in(grid, local, ray.tmin, ray.tmax);
-        sharp = blunt_hit(Sight(course.org, course.dir, 1.0), fetch_planes(grid, prim_id));
+        sharp = blunt_hit(sight_from(course.org, course.dir), fetch_planes(grid, prim_id));
         t = double(start) + sharp.t * inverse_of_power(course.length_of_t);
     } else {
         local = moved_from_afar(local, start);

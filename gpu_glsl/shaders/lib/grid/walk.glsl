@@ -1,4 +1,4 @@
-// Walking a grid without drift: integer cells, every exit plane computed from its number, and empty
+// Walking a grid without drift: whole cells, every exit plane computed from its number, and empty
 // space crossed at once.
 //
 // An empty cell says how large a cube of empty cells lies ahead, in each octant of directions; so the

@@ -20,6 +20,10 @@ struct Sight {
     float reach;  // at least 1, and at least twice the origin's largest coordinate
 };
 
+Sight sight_from(vec3 org, vec3 dir) {
+    return Sight(org, dir, greater(1.0, 2.0 * largest(abs(org))));
+}
+
 // The record of pack/barycentric_planes.h: floats, in the twin of doubles as well.
 const float kRecordHalfUlp = 5.9604644775390625e-8;  // 2^-24
 struct Planes {
@@ -61,14 +65,14 @@ Weights weights_of(Planes planes, Sight sight) {
 
 // False if the ray misses the triangle.
 //
-// The bounds, with u = 2^-24 (the record is of floats, whatever the arithmetic), A and B the sums of the absolute components of `first` and
-// `second`, and c = 1 / (A + B + 1) that of `face`. From the rounding of record and ray, and of each
-// operation, products and sums apart: det is off by 5 u c and dist by 5 u c; for a point in the
-// triangle, the point times det by 11 u c, and a weight times det by (18.5 A + 10) u c; the third, det
-// without the other two, by less than 22 u, whatever A and B. An origin outside the box raises all errors
-// alike. (If computed weights are all beyond 22 u, the point is in the triangle or next to it, and
-// the bound holds as well.) t is off by less than 12 u c (1 + |t|) / |det|, if |det| is more than
-// 48 u c; if not, t may be anything.
+// The bounds, with u = 2^-24 (the record is of floats, whatever the arithmetic), A and B the sums of
+// the absolute components of `first` and `second`, and c = 1 / (A + B + 1) that of `face`. From the
+// rounding of record and ray, and of each operation, products and sums apart: det is off by 5 u c and
+// dist by 5 u c; for a point in the triangle, the point times det by 11 u c, and a weight times det
+// by (18.5 A + 10) u c; the third, det without the other two, by less than 22 u, whatever A and B. An
+// origin outside the box raises all errors alike. (If computed weights are all beyond 22 u, the
+// point is in the triangle or next to it, and the bound holds as well.) t is off by less than
+// 12 u c (1 + |t|) / |det|, if |det| is more than 48 u c; if not, t may be anything.
 bool may_cross(Planes planes, Sight sight, OUT(Crossing) crossing) {
     count_test();
     Weights weights = weights_of(planes, sight);
