@@ -232,7 +232,7 @@ std::vector<ParamInfo> two_level_buffer_params() {
 void pack_grid_as(PreparedStrategy& prepared, const TextureLimits& limits, BufferKind kind) {
     const TwoLevelSizing sizing = two_level_sizing(prepared.params);
     const uint64_t built_before = triangle_grids_built();
-    TwoLevelGrid grid = build_two_level_grid(*prepared.scene, sizing);
+    TwoLevelGrid grid = build_two_level_grid(*prepared.scene, sizing, Duplicates::dropped);
     const double build_ms = grid.build_ms;
     const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
     const auto start = std::chrono::steady_clock::now();
@@ -472,8 +472,10 @@ std::vector<ivec3> cells_of_triangle(const PreparedStrategy& prepared, uint32_t 
                                      uint32_t prim_id) {
     if (prepared.info.structure != "two_level_grid") return {};
     const Scene& scene = *prepared.scene;
-    const UniformGrid grid = build_triangle_grid(scene.objects[scene.instances[inst_id].object],
-                                                 two_level_sizing(prepared.params).object);
+    const bool drops_duplicates = prepared.storage == "buffer" || prepared.storage == "ssbo";
+    const UniformGrid grid = build_triangle_grid(
+        scene.objects[scene.instances[inst_id].object], two_level_sizing(prepared.params).object,
+        drops_duplicates ? Duplicates::dropped : Duplicates::kept);
     std::vector<ivec3> cells;
     uvec3 cell(0);
     for (cell.z = 0; cell.z < grid.dims.z; ++cell.z) {

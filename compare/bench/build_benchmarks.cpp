@@ -28,18 +28,20 @@ TwoLevelSizing sizing_of(double density) { return {.object = {.density = density
 TwoLevelBuffers build_and_pack_buffers(const Scene& scene, double density) {
     // No device is asked: nothing is uploaded.
     constexpr TextureLimits kNoLimit{.max_buffer = uint64_t{1} << 40};
-    return pack_two_level_buffers(scene, build_two_level_grid(scene, sizing_of(density)), kNoLimit,
-                                  BufferKind::texture);
+    return pack_two_level_buffers(
+        scene, build_two_level_grid(scene, sizing_of(density), Duplicates::dropped), kNoLimit,
+        BufferKind::texture);
 }
 
 void grid_build(benchmark::State& state, const Scene& scene, double density) {
-    run_against_embree_commit(state, scene,
-                              [&] { return build_two_level_grid(scene, sizing_of(density)); });
+    run_against_embree_commit(state, scene, [&] {
+        return build_two_level_grid(scene, sizing_of(density), Duplicates::dropped);
+    });
 }
 
 /// From a grid that is there.
 void grid_empty_cubes(benchmark::State& state, const Scene& scene, double density) {
-    const TwoLevelGrid grid = build_two_level_grid(scene, sizing_of(density));
+    const TwoLevelGrid grid = build_two_level_grid(scene, sizing_of(density), Duplicates::dropped);
     const UniformGrid& object = grid.objects.front();
     std::vector<uint32_t> codes(object.cell_count());
     run_against_embree_commit(state, scene, [&] {

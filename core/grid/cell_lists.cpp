@@ -116,6 +116,7 @@ CellLists order_by_cell(const SortCuts& cuts, std::span<const ChunkReferences> c
     CellLists lists;
     lists.cell_begin.resize(cuts.cells() + 1);
     lists.cell_begin[0] = 0;
+    lists.references.reserve(size_t{begins.back()} + 1);  // room for who ends them with a word
     lists.references.resize(begins.back());
     const std::span cell_begin = std::span(lists.cell_begin).subspan(1);
     tbb::parallel_for(size_t{0}, cuts.range_count(), [&](size_t range) {

@@ -17,6 +17,7 @@ struct TwoLevelGrid {
 };
 
 /// Cost: the sum of its grids. Throws: as build_box_grid and build_triangle_grid.
-TwoLevelGrid build_two_level_grid(const Scene& scene, const TwoLevelSizing& sizing);
+TwoLevelGrid build_two_level_grid(const Scene& scene, const TwoLevelSizing& sizing,
+                                  Duplicates duplicates = Duplicates::kept);
 
 }  // namespace onepass

@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/grid/binning.h"
 #include "core/grid/cell_lists.h"
+#include "core/grid/duplicates.h"
 
 namespace onepass {
 namespace {
@@ -100,13 +101,17 @@ UniformGrid build_box_grid(std::span<const Bounds> boxes, const GridSizing& sizi
         });
 }
 
-UniformGrid build_triangle_grid(const Object& object, const GridSizing& sizing) {
+UniformGrid build_triangle_grid(const Object& object, const GridSizing& sizing,
+                                Duplicates duplicates) {
     check_primitive_count(object.triangles.size(), fmt::format("object '{}'", object.name));
     check_positions(object);
     ++triangle_grid_count;
+    const std::vector<uint8_t> is_dropped =
+        duplicates == Duplicates::dropped ? later_duplicates(object) : std::vector<uint8_t>{};
 
     return build_grid(object_bounds(object), object.triangles.size(), sizing,
                       [&](const CellFrame& frame, uint32_t i, auto&& emit) {
+                          if (!is_dropped.empty() && is_dropped[i] != 0) return;
                           const uvec3& corners = object.triangles[i];
                           const std::array<dvec3, 3> vertices = {
                               frame.to_cells(object.positions[corners.x]),

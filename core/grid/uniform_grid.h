@@ -50,9 +50,13 @@ UniformGrid build_box_grid(std::span<const Bounds> boxes, const GridSizing& sizi
 /// triangle that touches a closed cell is always referenced, degenerate ones (points, segments)
 /// included.
 ///
+/// With Duplicates::dropped, no cell references a triangle that equals a lower one
+/// (core/grid/duplicates.h): by the rule for equal t it never is the answer.
 /// Cost, errors: as build_box_grid; a triangle also costs the rows (along x) of its box.
 /// Source: Adinetz & Berezin, section 3 (second-level subdivision); Akenine-Moller 2001.
-UniformGrid build_triangle_grid(const Object& object, const GridSizing& sizing);
+enum class Duplicates { kept, dropped };
+UniformGrid build_triangle_grid(const Object& object, const GridSizing& sizing,
+                                Duplicates duplicates = Duplicates::kept);
 
 /// How many triangle grids this process has built so far, on all threads: "moving an instance
 /// rebuilds no object grid" is counted with it, not inferred.

@@ -131,7 +131,7 @@ TwoLevelBuffers pack_irregular_grid_buffers(const Scene& scene, TwoLevelIrregula
     TextureData nodes = make_word_buffer("nodes", "nodes", places.back().node, 1, limits);
     TextureData cells = make_word_buffer("cells", "cells", places.back().cell, 4, limits);
     TextureData references =
-        make_word_buffer("references", "references", places.back().reference, 1, limits);
+        make_word_buffer("references", "references", places.back().reference + 1, 1, limits);
     for (size_t k = 0; k < grid.objects.size(); ++k) {
         put_nodes(&nodes.words[places[k].node], grid.objects[k], places[k]);
         put_cells(&cells.words[4 * places[k].cell], grid.objects[k], places[k]);

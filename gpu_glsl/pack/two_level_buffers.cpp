@@ -79,7 +79,9 @@ RawVector<uint32_t> joined(std::vector<UniformGrid>& grids,
     if (grids.size() == 1) return std::move(grids.front().*array);
     size_t size = 0;
     for (const UniformGrid& grid : grids) size += (grid.*array).size();
-    RawVector<uint32_t> all(size);
+    RawVector<uint32_t> all;
+    all.reserve(size + 1);
+    all.resize(size);
     auto out = all.begin();
     for (UniformGrid& grid : grids) {
         out = std::copy((grid.*array).begin(), (grid.*array).end(), out);
@@ -285,8 +287,9 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
         packed.inputs.textures.push_back(std::move(texture));
     };
     add(word_buffer_of("cells", "cells", joined(grids, &UniformGrid::cell_begin), limits, kind));
-    add(word_buffer_of("references", "references", joined(grids, &UniformGrid::references), limits,
-                       kind));
+    RawVector<uint32_t> references = joined(grids, &UniformGrid::references);
+    references.push_back(0);  // read, though not used, behind the last list (strategies/grid.glsl)
+    add(word_buffer_of("references", "references", std::move(references), limits, kind));
     PackedTriangles triangles =
         pack_triangles(scene, grids, packed.frames, first_triangle, first_vertex);
     add(float_buffer_of("planes", "triangles", std::move(triangles.planes), limits, kind));

@@ -12,7 +12,7 @@ struct LocalRay {
 
 // The ray from t = start on.
 LocalRay moved(LocalRay ray, float start) {
-    PRECISE dvec3 org = ray.org + ray.dir * double(start);
+    dvec3 org = ray.org + ray.dir * double(start);
     return LocalRay(org, ray.dir);
 }
 
@@ -26,7 +26,7 @@ LocalRay moved_from_afar(LocalRay ray, INOUT(float) start) {
 }
 
 double sharp_dot(dvec3 a, dvec3 b) {
-    PRECISE double d = a.x * b.x + a.y * b.y + a.z * b.z;
+    double d = a.x * b.x + a.y * b.y + a.z * b.z;
     return d;
 }
 

@@ -128,9 +128,13 @@ void walk_instance(uint inst_id, Ray ray, INOUT(Nearest) nearest) {
         NOTE_CELL(inst_id, ivec3(slot, 0, 0));
         for (; slot < end; ++slot) {
             NOTE_TEST(inst_id, fetch_primitive(slot));
-            Crossing crossing;
-            if (may_cross(fetch_planes(slot), course.sight, crossing) &&
-                crossing.from <= bound * course.length_of_t && crossing.to >= 0.0) {
+            count_test();
+            Planes planes = fetch_planes(slot);
+            Weights weights = weights_of(planes, course.sight);
+            if (!may_cross(weights, course.sight)) continue;
+            Crossing crossing = crossing_of(planes, weights, course.sight);
+            if (crossing.t - crossing.error <= bound * course.length_of_t &&
+                crossing.t + crossing.error >= 0.0) {
                 count_reference();
                 decide(sharp, sharp_start, fetch_triangle(slot), inst_id, fetch_primitive(slot), ray, nearest);
                 bound = bound_from(start, ray, nearest);

@@ -49,19 +49,10 @@ bool is_enough(Nearest nearest) { return any_hit_suffices && is_hit(nearest.hit)
 
 // ---- The object level --------------------------------------------------------------------------
 
-// t between which the nearest hit lies, along a course.
-struct Bracket {
-    float from;
-    float to;
-};
+// A number raised by two ulps, to be on the safe side of its rounding.
+float raised(float t) { return t < infinity() ? t + (4.0 * half_ulp()) * abs(t) : t; }
 
-// A number with two ulps, to be on the safe side of its rounding.
-Bracket bracket_of(float t) {
-    float rounding = (4.0 * half_ulp()) * abs(t);
-    return t < infinity() ? Bracket(t - rounding, t + rounding) : Bracket(t, t);
-}
-
-// What floats found out about one instance.
+// What floats found out about one instance, and where they stopped.
 struct Findings {
     uint found;    // the triangle that is hit first, but for those open; or kNoId
     uint open;     // one of which they cannot tell whether it is hit, or before that one; or kNoId
@@ -78,9 +69,14 @@ Findings no_findings() {
 }
 
 // Walks through an instance's grid and tests its triangles, from where an earlier walk stopped, if it
-// did. `nearest` is the nearest hit of this and other instances so far.
-Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, Nearest nearest,
-                        Findings earlier) {
+// did. What begins behind t = `t_nearest`, the nearest hit's so far, is not looked at; on this
+// instance that is the hit on triangle `found`.
+//
+// A hit is sure only if floats know its t to half of kWidth, and counts as known to kWidth: one bound then
+// says where what is behind it begins and, less twice that, where what is surely before it ends.
+Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, double t_nearest,
+                        uint found, Findings earlier) {
+    const float kWidth = 6.103515625e-5;  // 2^-14, in sizes of the object
     Findings now = no_findings();
     Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
     // The course is the same from whichever cell of the top level the instance is met, so that a
@@ -93,8 +89,8 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, Near
     float end = lesser(t_along(course, double(t_last)), course.leave);
     if (!(begin <= end)) return now;
     now.is_over = false;
-    now.found = nearest.hit.inst_id == inst_id ? nearest.hit.prim_id : kNoId;
-    Bracket bracket = bracket_of(t_along(course, min(nearest.t, double(ray.tmax))));
+    now.found = found;
+    float behind = raised(t_along(course, min(t_nearest, double(ray.tmax))));
     Sight sight = sight_from(course.org, course.dir);
     Walk walk = begin_walk(grid, course, begin);
     uint octant = octant_shift(walk);
@@ -111,47 +107,57 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, Near
             NOTE_CELL(inst_id, cell_of(grid, walk));
             if (!is_empty_cell(cell)) break;
             now.is_over = !leave_cells(walk, left_behind_empty(cell, walk, octant),
-                                       min(end, bracket.to));
+                                       min(end, behind));
             if (now.is_over) break;
             cell = fetch_cell(grid, walk);
         }
         if (now.is_over || steps == 0) break;
 
-        // Its triangles.
+        // Its triangles. Which one is next is asked for before the one at hand is fetched; behind
+        // the last list lies a word for that.
         if (!is_resumed) at = first_reference(cell);
         is_resumed = false;
+        uint next = fetch_triangle_reference(at);
         bool is_in_list = true;
         const int kMostReferences = 1 << 30;
         for (int left = kMostReferences; left > 0; --left) {
-            uint reference = fetch_triangle_reference(at);
+            uint reference = next;
+            next = reference_word(at + 1);
             uint prim_id = referenced(reference);
-            NOTE_TEST(inst_id, prim_id);
-            Crossing crossing;
-            bool is_hit = may_cross(fetch_planes(grid, prim_id), sight, crossing) &&
-                          crossing.from <= bracket.to && crossing.to >= 0.0 &&
-                          prim_id != now.found && prim_id != now.open && prim_id != now.other;
-            if (is_hit) {
-                bool is_clear = crossing.is_sure && crossing.to < bracket.from &&
-                                crossing.from > 0.0;
-                if (is_clear) {
-                    now.found = prim_id;
-                    bracket = Bracket(crossing.from, crossing.to);
-                    now.is_over = any_hit_suffices;
-                } else if (now.open == kNoId) {
-                    now.open = prim_id;
-                } else if (now.other == kNoId) {
-                    now.other = prim_id;
-                } else {
-                    now.is_full = true;
-                }
-                if (now.is_over || now.is_full) break;
-            }
             is_in_list = !is_last_reference(reference);
+            count_test();
+            NOTE_TEST(inst_id, prim_id);
+            Planes planes = fetch_planes(grid, prim_id);
+            Weights weights = weights_of(planes, sight);
+            if (may_cross(weights, sight)) {
+                Crossing crossing = crossing_of(planes, weights, sight);
+                bool is_hit = crossing.t - crossing.error <= behind &&
+                              crossing.t + crossing.error >= 0.0 && prim_id != now.found &&
+                              prim_id != now.open && prim_id != now.other;
+                bool is_clear = crossing.is_sure && crossing.error <= 0.5 * kWidth &&
+                                crossing.t + crossing.error < behind - 2.0 * kWidth &&
+                                crossing.t - crossing.error > 0.0;
+                if (is_hit) {
+                    if (is_clear) {
+                        now.found = prim_id;
+                        behind = crossing.t + kWidth;
+                        now.is_over = any_hit_suffices;
+                    } else if (now.open == kNoId) {
+                        now.open = prim_id;
+                    } else if (now.other == kNoId) {
+                        now.other = prim_id;
+                    } else {
+                        now.is_full = true;
+                    }
+                    if (now.is_over || now.is_full) break;
+                }
+            }
             if (!is_in_list) break;
+            count_reference();
             ++at;
         }
-        if (is_in_list) break;  // to decide, or the driver ended the loop
-        now.is_over = !leave_cells(walk, left_behind_full(cell, walk), min(end, bracket.to));
+        if (now.is_over || now.is_full || is_in_list) break;  // (or the driver ended the loop)
+        now.is_over = !leave_cells(walk, left_behind_full(cell, walk), min(end, behind));
         if (now.is_over) break;
     }
     now.left = walk.left;
@@ -188,10 +194,15 @@ void decide_on(uint inst_id, Ray ray, float start, uint prim_id, INOUT(Nearest) 
 // decided on its way would pay for it at every test: a software renderer goes through both sides
 // of a branch, and a GPU keeps registers for both.)
 void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nearest) nearest) {
+    // (After each walk the nearest is made anew, so that a walk need not keep it.)
+    Nearest before = nearest;
+    double t_nearest = before.t;
+    uint found = before.hit.inst_id == inst_id ? before.hit.prim_id : kNoId;
     Findings findings = no_findings();
     const int kMostRounds = 1 << 20;
     for (int rounds = kMostRounds; rounds > 0; --rounds) {
-        findings = walk_in_floats(inst_id, ray, t_first, t_last, nearest, findings);
+        findings = walk_in_floats(inst_id, ray, t_first, t_last, t_nearest, found, findings);
+        nearest = before;
         uint asked = findings.found != kNoId ? findings.found : findings.open;
         uint next = findings.found != kNoId ? findings.open : findings.other;
         uint last = findings.found != kNoId ? findings.other : kNoId;
@@ -202,6 +213,8 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
             last = kNoId;
         }
         if (!findings.is_full || is_enough(nearest)) break;
+        t_nearest = nearest.t;
+        found = nearest.hit.inst_id == inst_id ? nearest.hit.prim_id : kNoId;
     }
     if (!findings.is_over && !is_enough(nearest)) ray_flags |= kFlagExhausted;
 }
@@ -254,7 +267,7 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
         }
         if (is_in_list || is_over) break;  // over, or the driver ended the loop
         float edge = mix(biased(1u), empty_cube(cell, octant), is_empty_cell(cell));
-        float bound = lesser(end, bracket_of(t_along(course, nearest.t)).to);
+        float bound = lesser(end, raised(t_along(course, nearest.t)));
         is_over = !leave_cells(walk, left_behind_cube(walk, edge), bound);
         if (is_over) break;
     }

@@ -39,10 +39,10 @@ dvec3 turned(dvec3 v, int axis) {
 }
 
 SharpCorner sharp_corner(dvec3 org, double slope_x, double slope_y, int axis, vec3 corner) {
-    PRECISE dvec3 p = dvec3(corner) - org;
+    dvec3 p = dvec3(corner) - org;
     p = turned(p, axis);
-    PRECISE double x = p.x - slope_x * p.z;
-    PRECISE double y = p.y - slope_y * p.z;
+    double x = p.x - slope_x * p.z;
+    double y = p.y - slope_y * p.z;
     return SharpCorner(dvec3(x, y, p.z), abs(p.x) + abs(slope_x * p.z),
                        abs(p.y) + abs(slope_y * p.z));
 }
@@ -53,7 +53,7 @@ SharpCorner sharp_corner(dvec3 org, double slope_x, double slope_y, int axis, ve
 // roundings: 14 u, and 16 u covers it.
 double sharp_edge(SharpCorner from, SharpCorner to) {
     const double kDoubt = double(1.7763568394002505e-15);  // 2^-49: 16 u
-    PRECISE double w = to.at.x * from.at.y - to.at.y * from.at.x;
+    double w = to.at.x * from.at.y - to.at.y * from.at.x;
     double made_of = (abs(to.at.x) * from.y_of + to.x_of * abs(from.at.y)) +
                      (abs(to.at.y) * from.x_of + to.y_of * abs(from.at.x));
     return abs(w) <= kDoubt * made_of ? double(0.0) : w;
@@ -85,12 +85,12 @@ SharpHit sharp_hit(LocalRay ray, Triangle triangle) {
     bool is_outside = (w0 < 0.0 || w1 < 0.0 || w2 < 0.0) && (w0 > 0.0 || w1 > 0.0 || w2 > 0.0);
     bool is_beside = !may_span(a.at.x, a.x_of, b.at.x, b.x_of, c.at.x, c.x_of) ||
                      !may_span(a.at.y, a.y_of, b.at.y, b.y_of, c.at.y, c.y_of);
-    PRECISE double area = w0 + w1 + w2;
+    double area = w0 + w1 + w2;
     if (is_outside || is_beside || area == 0.0) return SharpHit(false, double(infinity()), 0.0, 0.0);
 
-    PRECISE double z = w0 * a.at.z + w1 * b.at.z + w2 * c.at.z;
+    double z = w0 * a.at.z + w1 * b.at.z + w2 * c.at.z;
     // One quotient, so that triangles that share a corner mostly say the same t there.
-    PRECISE double t = z / (area * dir.z);
+    double t = z / (area * dir.z);
     double inverse_area = inverse_of(area);
     return SharpHit(true, t, float(w1 * inverse_area), float(w2 * inverse_area));
 }

@@ -32,10 +32,10 @@ struct Planes {
     vec4 second;  // of the third corner
 };
 
-// Where a ray crosses a triangle: t, from the sight's origin on.
+// Where a ray crosses a triangle, from the sight's origin on.
 struct Crossing {
-    float from;    // it is at least this ...
-    float to;      // ... and at most this
+    float t;
+    float error;   // t is wrong by less than this
     bool is_sure;  // false if it may be nowhere
 };
 
@@ -63,6 +63,9 @@ Weights weights_of(Planes planes, Sight sight) {
     return Weights(det - v - w, v, w, det, dist);
 }
 
+// What a weight may be wrong by.
+float doubt_of(Sight sight) { return (22.0 * kRecordHalfUlp) * sight.reach; }
+
 // False if the ray misses the triangle.
 //
 // The bounds, with u = 2^-24 (the record is of floats, whatever the arithmetic), A and B the sums of
@@ -73,9 +76,14 @@ Weights weights_of(Planes planes, Sight sight) {
 // origin outside the box raises all errors alike. (If computed weights are all beyond 22 u, the
 // point is in the triangle or next to it, and the bound holds as well.) t is off by less than
 // 12 u c (1 + |t|) / |det|, if |det| is more than 48 u c; if not, t may be anything.
-bool may_cross(Planes planes, Sight sight, OUT(Crossing) crossing) {
-    count_test();
-    Weights weights = weights_of(planes, sight);
+bool may_cross(Weights weights, Sight sight) {
+    float least = min(weights.u, min(weights.v, weights.w));
+    float most = max(weights.u, max(weights.v, weights.w));
+    return min(-least, most) <= doubt_of(sight);
+}
+
+// Of a ray that may: where. Few do, and so the division waits until it is known.
+Crossing crossing_of(Planes planes, Weights weights, Sight sight) {
     vec4 face = planes.face;
     float det = weights.det;
     float error = (12.0 * kRecordHalfUlp) * sight.reach * (abs(face.x) + abs(face.y) + abs(face.z));
@@ -83,10 +91,7 @@ bool may_cross(Planes planes, Sight sight, OUT(Crossing) crossing) {
     float inverse = 1.0 / det;
     float t = mix(0.0, weights.dist * inverse, is_steep);
     error = mix(infinity(), error * (1.0 + abs(t)) * abs(inverse), is_steep);
-
-    float doubt = (22.0 * kRecordHalfUlp) * sight.reach;
     float least = min(weights.u, min(weights.v, weights.w));
     float most = max(weights.u, max(weights.v, weights.w));
-    crossing = Crossing(t - error, t + error, max(least, -most) > doubt && !has_sign(face.w));
-    return min(-least, most) <= doubt;
+    return Crossing(t, error, max(least, -most) > doubt_of(sight) && !has_sign(face.w));
 }
