@@ -5,8 +5,6 @@
 #include <array>
 #include <atomic>
 #include <bit>
-#include <cstring>
-#include <tuple>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -14,91 +12,99 @@
 namespace onepass {
 namespace {
 
-/// A triangle's positions in an order that does not depend on the triangle's own.
 using Corners = std::array<vec3, 3>;
 
-Corners sorted_corners(const Object& object, size_t triangle) {
+Corners corners_of(const Object& object, uint32_t triangle) {
     const uvec3& indices = object.triangles[triangle];
-    // (-0 + 0 is +0: equal numbers have equal bits.)
-    Corners corners = {object.positions[indices.x] + vec3(0.0f),
-                       object.positions[indices.y] + vec3(0.0f),
-                       object.positions[indices.z] + vec3(0.0f)};
-    std::sort(corners.begin(), corners.end(), [](const vec3& a, const vec3& b) {
-        return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-    });
-    return corners;
+    return {object.positions[indices.x], object.positions[indices.y], object.positions[indices.z]};
 }
 
+bool are_equal(Corners a, Corners b) { return std::is_permutation(a.begin(), a.end(), b.begin()); }
+
+/// The same in whichever order the corners come.
 uint64_t hash_of(const Corners& corners) {
-    std::array<uint32_t, 9> words;
-    static_assert(sizeof words == sizeof corners);
-    std::memcpy(words.data(), corners.data(), sizeof words);
     uint64_t hash = 0;
-    for (const uint32_t word : words) {
-        hash = (hash ^ word) * 0x9E3779B97F4A7C15u;
+    for (int axis = 0; axis < 3; ++axis) {
+        uint64_t sum = 0;
+        // (-0 + 0 is +0: equal numbers have equal bits.)
+        for (const vec3& corner : corners) sum += std::bit_cast<uint32_t>(corner[axis] + 0.0f);
+        hash = (hash ^ sum) * 0x9E3779B97F4A7C15u;
         hash ^= hash >> 32;
     }
     return hash;
 }
 
-/// One slot for each class of equal triangles, which holds the lowest index that has come so far.
+/// One slot for each class of equal triangles. It holds the lowest index that has come so far, and
+/// above it half of the hash, so that unequal triangles are seldom fetched to be compared.
 class Table {
   public:
-    explicit Table(const Object& object)
-        : object_(object), slots_(std::bit_ceil(2 * object.triangles.size())) {
-        for (auto& slot : slots_) slot.store(kNoId, std::memory_order_relaxed);
+    /// With room for so many classes, and half as many again.
+    Table(const Object& object, size_t classes, std::vector<uint8_t>& is_later)
+        : object_(object), is_later_(is_later), slots_(std::bit_ceil(classes + classes / 2 + 1)) {
+        for (auto& slot : slots_) slot.store(kFree, std::memory_order_relaxed);
     }
 
-    void add(uint32_t triangle) {
-        std::atomic<uint32_t>& slot = slot_of(triangle);
-        uint32_t lowest = slot.load();
-        while (triangle < lowest && !slot.compare_exchange_weak(lowest, triangle)) {
+    /// Adds a triangle, and marks whoever of its class is now known not to be the lowest. True if
+    /// it was not alone; false if it was, or found no room.
+    bool add(uint32_t triangle, const Corners& corners, uint64_t hash) {
+        const uint64_t entry = (hash & ~kIndexMask) | triangle;
+        const size_t mask = slots_.size() - 1;
+        for (size_t probe = 0; probe < slots_.size(); ++probe) {
+            const size_t at = (hash + probe) & mask;
+            uint64_t held = slots_[at].load(std::memory_order_relaxed);
+            if (held == kFree && slots_[at].compare_exchange_strong(held, entry)) return false;
+            if (((held ^ entry) & ~kIndexMask) != 0) continue;
+            if (!are_equal(corners, corners_of(object_, static_cast<uint32_t>(held)))) continue;
+            while (entry < held && !slots_[at].compare_exchange_weak(held, entry)) {
+            }
+            is_later_[std::max(triangle, static_cast<uint32_t>(held))] = 1;
+            return true;
         }
+        return false;
     }
-
-    uint32_t lowest_equal(uint32_t triangle) { return slot_of(triangle).load(); }
 
   private:
-    /// The slot of its class; if the class has none yet, the triangle takes one.
-    std::atomic<uint32_t>& slot_of(uint32_t triangle) {
-        const Corners corners = sorted_corners(object_, triangle);
-        const size_t mask = slots_.size() - 1;
-        for (size_t at = hash_of(corners) & mask;; at = (at + 1) & mask) {
-            uint32_t holder = slots_[at].load();
-            if (holder == kNoId && slots_[at].compare_exchange_strong(holder, triangle)) {
-                return slots_[at];
-            }
-            if (sorted_corners(object_, holder) == corners) return slots_[at];
-        }
-    }
+    static constexpr uint64_t kIndexMask = 0xFFFFFFFFu;
+    static constexpr uint64_t kFree = ~uint64_t{0};  // kNoId is no triangle
 
     const Object& object_;
-    std::vector<std::atomic<uint32_t>> slots_;
+    std::vector<uint8_t>& is_later_;
+    std::vector<std::atomic<uint64_t>> slots_;
 };
 
-template <class Visit>
-void for_each_triangle(const Object& object, const Visit& visit) {
+/// Marks the duplicates among the triangles whose hash ends in `zero_bits` zeros: equal triangles
+/// have equal hashes, so of each class all are looked at or none. True if there are any.
+bool mark_duplicates(const Object& object, int zero_bits, std::vector<uint8_t>& is_later) {
+    const size_t triangles = object.triangles.size();
+    Table table(object, triangles >> zero_bits, is_later);
+    const uint64_t others = (uint64_t{1} << zero_bits) - 1;
+    std::atomic<bool> any = false;
     constexpr size_t kTrianglesATask = size_t{1} << 13;
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, object.triangles.size(), kTrianglesATask),
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, triangles, kTrianglesATask),
                       [&](const auto& range) {
-                          for (size_t i = range.begin(); i != range.end(); ++i)
-                              visit(static_cast<uint32_t>(i));
+                          bool found = false;
+                          for (size_t i = range.begin(); i != range.end(); ++i) {
+                              const auto triangle = static_cast<uint32_t>(i);
+                              const Corners corners = corners_of(object, triangle);
+                              const uint64_t hash = hash_of(corners);
+                              if ((hash & others) != 0) continue;
+                              found |= table.add(triangle, corners, hash >> zero_bits);
+                          }
+                          if (found) any = true;
                       });
+    return any;
 }
 
 }  // namespace
 
 std::vector<uint8_t> later_duplicates(const Object& object) {
-    Table table(object);
-    for_each_triangle(object, [&](uint32_t i) { table.add(i); });
+    // Most meshes have none, and a part of the classes tells; few triangles are looked at at once.
+    constexpr int kSampleBits = 6;
+    constexpr size_t kWorthASample = size_t{1} << 14;
     std::vector<uint8_t> is_later(object.triangles.size());
-    std::atomic<bool> any = false;
-    for_each_triangle(object, [&](uint32_t i) {
-        if (table.lowest_equal(i) == i) return;
-        is_later[i] = 1;
-        any.store(true, std::memory_order_relaxed);
-    });
-    return any ? is_later : std::vector<uint8_t>{};
+    const bool sampled = object.triangles.size() >= kWorthASample;
+    const bool any = !sampled || mark_duplicates(object, kSampleBits, is_later);
+    return any && mark_duplicates(object, 0, is_later) ? is_later : std::vector<uint8_t>{};
 }
 
 }  // namespace onepass

@@ -70,6 +70,30 @@ TEST(Duplicates, know_that_minus_zero_is_zero) {
     EXPECT_EQ(later_duplicates(object), (std::vector<uint8_t>{0, 1}));
 }
 
+TEST(Duplicates, are_found_in_a_large_object_too) {
+    // A fifth of them again, reversed.
+    Object object = crowded_object(1);
+    std::mt19937 engine(3);
+    std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+    object.positions.clear();
+    object.triangles.clear();
+    constexpr uint32_t kDistinct = 40000;
+    for (uint32_t i = 0; i < 3 * kDistinct; ++i) {
+        const float x = unit(engine);
+        const float y = unit(engine);
+        object.positions.emplace_back(x, y, unit(engine));
+    }
+    for (uint32_t i = 0; i < kDistinct; ++i)
+        object.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+    EXPECT_TRUE(later_duplicates(object).empty());
+    for (uint32_t i = 0; i < kDistinct; i += 5) {
+        object.triangles.emplace_back(3 * i + 2, 3 * i + 1, 3 * i);
+    }
+    std::vector<uint8_t> expected(object.triangles.size(), 0);
+    std::fill(expected.begin() + kDistinct, expected.end(), uint8_t{1});
+    EXPECT_EQ(later_duplicates(object), expected);
+}
+
 TEST(Duplicates, are_the_same_for_any_number_of_threads) {
     const Object object = crowded_object(30000);
     std::vector<uint8_t> alone;
