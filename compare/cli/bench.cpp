@@ -11,6 +11,7 @@
 #include "compare/cli/commands.h"
 #include "compare/cli/options.h"
 #include "compare/cli/progress_bar.h"
+#include "compare/cli/study_run.h"
 #include "compare/cli/table.h"
 #include "compare/manifest.h"
 #include "compare/statistics.h"
@@ -29,7 +30,7 @@ struct BenchCommand {
     bool settings = false;
     std::string entry = "fragment";
     std::string ablate;
-    std::string json;
+    StudyOptions study;
 };
 
 /// The references first, the oracle in front of them, then what was asked for.
@@ -100,8 +101,8 @@ std::string pace_text(const PaceRecord& pace) {
                               clock_text(pace.before), clock_text(pace.after));
 }
 
-/// Checks, then times, all contestants on one ray set.
-void bench_case(Session& session, const Court& court, const Case& subject,
+/// Checks, then times, all contestants on one ray set. False if it was stopped on the way.
+bool bench_case(Session& session, const Court& court, const Case& subject,
                 const std::vector<Tracer*>& tracers, const TimingOptions& timing,
                 const Progress& progress, Results& results) {
     std::vector<CastResult> answers;
@@ -118,8 +119,8 @@ void bench_case(Session& session, const Court& court, const Case& subject,
     }
     PacedTimings paced =
         time_with_pace(tracers, 0, subject.rays, timing, session.device_clocks(), progress);
+    if (stop_requested()) return false;
     std::vector<TimingRecord>& timings = paced.timings;
-    if (timings.front().wall_ms.empty()) return;  // stopped before its first round
     for (size_t i = 0; i < timings.size(); ++i) {
         timings[i].scene = court.open.name;
         timings[i].errors = checks[i].errors();
@@ -127,35 +128,44 @@ void bench_case(Session& session, const Court& court, const Case& subject,
     }
     results.checks.insert(results.checks.end(), checks.begin(), checks.end());
     results.timings.insert(results.timings.end(), timings.begin(), timings.end());
-    if (!paced.pace) return;
+    if (!paced.pace) return true;
     paced.pace->scene = court.open.name;
     results.paces.push_back(std::move(*paced.pace));
+    return true;
 }
 
+/// The scene's points that the study needs.
 void bench_scene(Session& session, const BenchCommand& options, const std::string& name,
-                 const std::vector<SelectedStrategy>& selected, const Progress& progress,
-                 Results& results) {
+                 const std::vector<SelectedStrategy>& selected, ProgressBar& bar, Study& study) {
+    std::vector<std::string> kinds = options.rays.kinds;
+    std::erase_if(kinds, [&](const auto& kind) { return !study.needs(case_key(name, kind)); });
+    if (kinds.empty()) return;
     const ImageSize size = parse_size(options.rays.size);
     const RayRequest request{size.width, size.height, options.rays.camera, session.globals.seed};
 
+    // What the points share.
     Court court = open_court(session, name);
-    results.manifest.judge = court.judge->name();
-    results.scenes.push_back(court.open.record);
+    study.check_scene(court.open.record);
+    Results shared;
+    shared.manifest.judge = court.judge->name();
+    shared.scenes.push_back(court.open.record);
     std::vector<std::unique_ptr<Tracer>> owned;
     std::vector<Tracer*> tracers;
     for (const auto& [entry, params] : selected) {
         owned.push_back(entry->make(court.open.scene, params));
         tracers.push_back(owned.back().get());
-        results.tracers.push_back(make_tracer_record(name, *tracers.back(), entry->info, params));
+        shared.tracers.push_back(make_tracer_record(name, *tracers.back(), entry->info, params));
     }
 
-    const double kinds = static_cast<double>(options.rays.kinds.size());
-    for (size_t k = 0; k < options.rays.kinds.size(); ++k) {
-        const double begin = static_cast<double>(k) / kinds;
-        const Progress part = [&](double done) { return go_on(progress, begin + done / kinds); };
-        if (!part(0.0)) return;
-        const Case subject = open_case(court, options.rays.kinds[k], request);
-        bench_case(session, court, subject, tracers, options.timing, part, results);
+    for (const std::string& kind : kinds) {
+        if (stop_requested()) return;
+        const Case subject = open_case(court, kind, request);
+        Results point = shared;
+        if (!bench_case(session, court, subject, tracers, options.timing, next_point(bar, study),
+                        point)) {
+            return;
+        }
+        study.add(case_key(name, kind), std::move(point));
     }
 }
 
@@ -178,24 +188,29 @@ void print(const Results& results, std::FILE* out) {
 }
 
 void run(Session& session, BenchCommand& options) {
-    if (!options.json.empty() && options.json != "-") check_writable(options.json);
     parse_size(options.rays.size);
     options.timing.seed = session.globals.seed;
     options.timing.enough_ms = 1e3 * options.enough_s;
+    check_repetitions(options.timing);
     const std::vector<SelectedStrategy> selected = contestants(session, options);
+    std::vector<const CatalogueEntry*> entries;
+    for (const SelectedStrategy& strategy : selected) entries.push_back(strategy.entry);
+    std::vector<std::string> keys;
+    for (const std::string& scene : options.scenes) {
+        for (const std::string& kind : options.rays.kinds) keys.push_back(case_key(scene, kind));
+    }
 
-    Results results;
+    Study study = open_study(session, options.study, std::move(keys), entries);
     {
         ProgressBar bar("bench");
-        const double scenes = static_cast<double>(options.scenes.size());
-        for (size_t i = 0; i < options.scenes.size() && !stop_requested(); ++i) {
-            const double begin = static_cast<double>(i) / scenes;
-            bench_scene(session, options, options.scenes[i], selected,
-                        bar.part(begin, begin + 1.0 / scenes), results);
+        for (const std::string& scene : options.scenes) {
+            if (stop_requested()) break;
+            bench_scene(session, options, scene, selected, bar, study);
         }
     }
-    print(results, table_stream(options.json));
-    finish(session, results, options.json, stop_requested());
+    Results results = study.results();
+    print(results, table_stream(options.study.json));
+    finish_study(session, study, results, options.study);
 }
 
 }  // namespace
@@ -254,19 +269,18 @@ void add_bench(CLI::App& app, Session& session) {
                      "they go on until its pace is steady")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    command->add_option("--json", options->json, "Writes the results; '-' is standard output")
-        ->type_name("FILE");
+    add_study_options(*command, options->study);
     command->callback([&session, options, command] {
         if (!options->ablate.empty()) {
             if (command->count("--rays") == 0) options->rays.kinds = kAblationKinds;
             return bench_ablation(session, {options->scenes, options->ablate, options->rays,
-                                            options->timing, options->json});
+                                            options->timing, options->study});
         }
         if (!options->settings) return run(session, *options);
         if (command->count("--rays") == 0) options->rays.kinds = kSettingsKinds;
         if (command->count("--size") == 0) options->rays.size = kSettingsSize;
         bench_settings(session, {options->scenes, options->rays, options->timing, options->entry,
-                                 options->json});
+                                 options->study});
     });
 }
 

@@ -39,6 +39,10 @@ Study open_study(Session& session, const StudyOptions& options, std::vector<std:
     return study;
 }
 
+std::string case_key(const std::string& scene, const std::string& kind) {
+    return fmt::format("{}, {}", scene, kind);
+}
+
 Progress next_point(ProgressBar& bar, const Study& study) {
     const auto left = static_cast<double>(study.total() - study.kept());
     const auto begin = static_cast<double>(study.done() - study.kept());

@@ -27,6 +27,9 @@ void add_study_options(CLI::App& command, StudyOptions& options);
 Study open_study(Session& session, const StudyOptions& options, std::vector<std::string> keys,
                  std::span<const CatalogueEntry* const> tracers);
 
+/// The key of one kind of rays, or of another work, in one scene.
+std::string case_key(const std::string& scene, const std::string& kind);
+
 /// The bar's part for the next point: those that are left have equal shares, so that the time left
 /// is guessed from those done in this run.
 Progress next_point(ProgressBar& bar, const Study& study);
