@@ -26,13 +26,14 @@ PictureSet::PictureSet(const std::string& folder, const std::string& json) {
 std::string PictureSet::add(const std::string& name, Picture picture) {
     if (!wanted_) return "";
     const fs::path path = folder_ / (file_name_part(prefix_ + name) + ".png");
-    const bool known = std::any_of(pictures_.begin(), pictures_.end(),
+    const bool known = written_.contains(path) ||
+                       std::any_of(pictures_.begin(), pictures_.end(),
                                    [&](const auto& entry) { return entry.first == path; });
     if (!known) pictures_.emplace_back(path, std::move(picture));
     return fs::relative(fs::absolute(path), fs::absolute(json_folder_)).string();
 }
 
-void PictureSet::write() const {
+void PictureSet::write() {
     if (pictures_.empty()) return;
     std::error_code failure;
     fs::create_directories(folder_, failure);
@@ -40,8 +41,16 @@ void PictureSet::write() const {
         throw Error({folder_.string(), failure.message(), "a folder for pictures",
                      "Choose another with --pictures."});
     }
-    for (const auto& [path, picture] : pictures_) write_png(path, picture);
-    fmt::print(stderr, "onepass: wrote {} pictures to {}\n", pictures_.size(), folder_.string());
+    for (const auto& [path, picture] : pictures_) {
+        write_png(path, picture);
+        written_.insert(path);
+    }
+    pictures_.clear();
+}
+
+void PictureSet::report() const {
+    if (written_.empty()) return;
+    fmt::print(stderr, "onepass: wrote {} pictures to {}\n", written_.size(), folder_.string());
 }
 
 }  // namespace onepass::cli

@@ -1,8 +1,9 @@
-// The pictures of a check: gathered in memory, written at the end, so that a check that fails half
-// way leaves no stray files.
+// The pictures of a check: gathered in memory, written when the point they belong to is finished,
+// so that a check that fails half way leaves no stray files.
 #pragma once
 
 #include <filesystem>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,15 +25,20 @@ class PictureSet {
     /// pictures are dropped.
     std::string add(const std::string& name, Picture picture);
 
-    /// Makes the folder and writes all pictures. Throws: Error if it cannot.
-    void write() const;
+    /// Makes the folder and writes the pictures gathered since the last call. Throws: Error if it
+    /// cannot.
+    void write();
+
+    /// Says on stderr how many were written, if any.
+    void report() const;
 
   private:
     bool wanted_ = false;
     std::filesystem::path folder_;
     std::filesystem::path json_folder_;
     std::string prefix_;
-    std::vector<std::pair<std::filesystem::path, Picture>> pictures_;
+    std::vector<std::pair<std::filesystem::path, Picture>> pictures_;  ///< not yet written
+    std::set<std::filesystem::path> written_;
 };
 
 }  // namespace onepass::cli
