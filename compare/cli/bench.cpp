@@ -188,6 +188,7 @@ void print(const Results& results, std::FILE* out) {
 }
 
 void run(Session& session, BenchCommand& options) {
+    check_scene_names(options.scenes);
     parse_size(options.rays.size);
     options.timing.seed = session.globals.seed;
     options.timing.enough_ms = 1e3 * options.enough_s;

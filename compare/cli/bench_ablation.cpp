@@ -188,6 +188,7 @@ void print(const Results& results, std::FILE* out) {
 }  // namespace
 
 void bench_ablation(Session& session, const BenchAblationCommand& options) {
+    check_scene_names(options.scenes);
     parse_size(options.rays.size);
     BenchAblationCommand command = options;
     command.timing.seed = session.globals.seed;

@@ -146,6 +146,7 @@ void print(const Results& results, std::FILE* out) {
 }  // namespace
 
 void bench_settings(Session& session, const BenchSettingsCommand& options) {
+    check_scene_names(options.scenes);
     parse_size(options.rays.size);
     BenchSettingsCommand command = options;
     command.timing.seed = session.globals.seed;

@@ -382,6 +382,7 @@ bool passed(const Results& results) {
 }
 
 void run(Session& session, const CheckCommand& options) {
+    check_scene_names(options.scenes);
     HitCheckOptions hit_options;
     hit_options.allowed = parse_allowances(options.allow);
     hit_options.agreement_sample = options.sample;

@@ -17,6 +17,7 @@ void add_tune(CLI::App& app, Session& session);
 void add_grow(CLI::App& app, Session& session);
 void add_stress(CLI::App& app, Session& session);
 void add_reproduce(CLI::App& app, Session& session);
+void add_merge(CLI::App& app, Session& session);
 void add_report(CLI::App& app, Session& session);
 void add_shader(CLI::App& app, Session& session);
 void add_scenes(CLI::App& app, Session& session);

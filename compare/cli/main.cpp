@@ -59,6 +59,7 @@ int run(int argc, char** argv) {
     add_grow(app, session);
     add_stress(app, session);
     add_reproduce(app, session);
+    add_merge(app, session);
     add_report(app, session);
     add_shader(app, session);
     add_scenes(app, session);

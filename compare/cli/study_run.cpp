@@ -1,10 +1,12 @@
 #include "compare/cli/study_run.h"
 
 #include <algorithm>
+#include <filesystem>
 
 #include <fmt/format.h>
 
 #include "compare/atomic_file.h"
+#include "scenes/scenes.h"
 
 namespace onepass::cli {
 
@@ -19,6 +21,18 @@ void add_study_options(CLI::App& command, StudyOptions& options) {
                     "Does the I-th of N shares of the work, for 'onepass merge' to unite")
         ->type_name("I/N")
         ->capture_default_str();
+}
+
+void check_scene_names(std::span<const std::string> names) {
+    for (const std::string& name : names) {
+        const auto& known = builtin_scenes();
+        const bool builtin = std::any_of(
+            known.begin(), known.end(), [&](const SceneInfo& scene) { return scene.name == name; });
+        std::error_code ignored;
+        const bool there =
+            builtin ? how_to_fetch(name).empty() : std::filesystem::exists(name, ignored);
+        if (!there) load_scene(name);  // which says what is missing
+    }
 }
 
 Study open_study(Session& session, const StudyOptions& options, std::vector<std::string> keys,

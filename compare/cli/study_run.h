@@ -21,6 +21,9 @@ struct StudyOptions {
 };
 void add_study_options(CLI::App& command, StudyOptions& options);
 
+/// Throws: Error for a name that is no scene's, before hours are spent on those before it.
+void check_scene_names(std::span<const std::string> names);
+
 /// Begins the study or takes it up, which it says. Makes the GL context if one of the tracers
 /// needs it: the manifest names the device, which an unfinished file is compared by.
 /// Throws: Error as Study, for a shard that is none, or a file that cannot be written.

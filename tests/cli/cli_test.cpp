@@ -5,58 +5,20 @@
 #include <map>
 #include <string>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "compare/ablation.h"
 #include "compare/npy.h"
 #include "compare/results.h"
 #include "core/io/load.h"
+#include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
 namespace onepass {
 namespace {
-
-struct Outcome {
-    int exit_code = -1;
-    std::string out;
-    std::string err;
-};
-
-/// Starts the program in `folder` with stdout and stderr in files there.
-pid_t start(const TemporaryFolder& folder, const std::vector<std::string>& arguments) {
-    std::vector<std::string> words = {ONEPASS_BINARY};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    const std::string out = folder.path() / ".stdout";
-    const std::string err = folder.path() / ".stderr";
-    const std::string where = folder.path();
-
-    const pid_t child = fork();
-    if (child != 0) return child;
-    const int flags = O_WRONLY | O_CREAT | O_TRUNC;
-    dup2(open(out.c_str(), flags, 0644), STDOUT_FILENO);
-    dup2(open(err.c_str(), flags, 0644), STDERR_FILENO);
-    if (chdir(where.c_str()) == 0) execv(argv[0], argv.data());
-    _exit(127);
-}
-
-Outcome finish(const TemporaryFolder& folder, pid_t child) {
-    int status = 0;
-    waitpid(child, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status),
-            read_bytes(folder.path() / ".stdout"), read_bytes(folder.path() / ".stderr")};
-}
-
-Outcome onepass_in(const TemporaryFolder& folder, const std::vector<std::string>& arguments) {
-    return finish(folder, start(folder, arguments));
-}
 
 /// What the program left behind, apart from its captured streams.
 std::vector<std::string> leftovers(const TemporaryFolder& folder) {
@@ -95,7 +57,7 @@ TEST(Help, lists_every_command) {
     const Outcome outcome = onepass_in(folder, {"--help"});
     EXPECT_EQ(outcome.exit_code, 0);
     for (const char* command : {"doctor", "list", "render", "check", "explain", "bench", "tune",
-                                "stress", "reproduce", "report", "shader", "scenes"}) {
+                                "stress", "reproduce", "merge", "report", "shader", "scenes"}) {
         EXPECT_NE(outcome.out.find(std::string("\n  ") + command), std::string::npos) << command;
     }
     EXPECT_NE(outcome.out.find("Exit codes"), std::string::npos);
