@@ -157,10 +157,13 @@ bool like_machines(const Manifest& a, const Manifest& b) {
 }
 
 void move_pictures(Results& results, const fs::path& from, const fs::path& to) {
-    const fs::path base = fs::absolute(to).lexically_normal();
+    const auto here_if_empty = [](const fs::path& folder) {
+        return fs::absolute(folder.empty() ? "." : folder).lexically_normal();
+    };
+    const fs::path base = here_if_empty(to), start = here_if_empty(from);
     const auto move = [&](std::string& path) {
         if (path.empty()) return;
-        path = fs::absolute(from / path).lexically_normal().lexically_relative(base).string();
+        path = (start / path).lexically_normal().lexically_relative(base).string();
     };
     for (CheckRecord& check : results.checks) move(check.picture);
     for (ImageRecord& image : results.images) {
