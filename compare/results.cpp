@@ -244,13 +244,40 @@ void fields(A& a, AblationRecord& r) {
 }
 
 template <class A>
+void fields(A& a, RefusalRecord& r) {
+    a("scene", r.scene), a("tracer", r.tracer), a("reason", r.reason);
+}
+
+template <class A>
+void fields(A& a, Shard& s) {
+    a("index", s.index), a("count", s.count);
+}
+
+template <class A>
+void fields(A& a, ListRows& l) {
+    a("list", l.list), a("rows", l.rows);
+}
+
+template <class A>
+void fields(A& a, StudyPoint& p) {
+    a("key", p.key), a("records", p.records);
+}
+
+template <class A>
+void fields(A& a, StudyPart& p) {
+    a("shard", p.shard), a("manifest", p.manifest);
+}
+
+template <class A>
+void fields(A& a, StudyRecord& s) {
+    a("shard", s.shard), a("keys", s.keys), a("points", s.points), a("parts", s.parts);
+}
+
+template <class A>
 void fields(A& a, Results& r) {
-    a("manifest", r.manifest), a("scenes", r.scenes), a("tracers", r.tracers);
-    a("checks", r.checks), a("images", r.images), a("timings", r.timings);
-    a("frame_timings", r.frame_timings), a("claims", r.claims), a("sweeps", r.sweeps);
-    a("ladders", r.ladders), a("tradeoffs", r.tradeoffs), a("paces", r.paces);
-    a("growth_builds", r.growth_builds), a("growth_traces", r.growth_traces);
-    a("ablations", r.ablations);
+    a("manifest", r.manifest);
+    for_each_list([&](const char* name, auto list) { a(name, r.*list); });
+    a("study", r.study);
 }
 
 // Enumerations are written as their names.
@@ -520,15 +547,16 @@ void upgrade(json& document) {
     }
 }
 
-/// Lists that version 3 gained after its first files: those have none of them.
-void add_later_lists(json& document) {
-    for (const char* list : {"paces", "growth_builds", "growth_traces", "ablations"}) {
+/// What version 3 gained after its first files: those have none of it.
+void add_later_fields(json& document) {
+    for (const char* list : {"paces", "growth_builds", "growth_traces", "ablations", "refusals"}) {
         if (!document.contains(list)) document[list] = json::array();
     }
+    if (!document.contains("study")) document["study"] = nullptr;
 }
 
-/// Fields that records of version 3 gained after its first files: empty there.
-void add_later_fields(json& document) {
+/// Fields that its records gained: empty in older files.
+void add_later_record_fields(json& document) {
     const auto add = [&](const char* list, const char* field, const json& value) {
         if (!document.contains(list)) return;
         for (json& record : document[list]) {
@@ -550,7 +578,7 @@ Results results_from_json(const std::string& text, const std::string& file_name)
                      "Name a file written with --json."});
     }
     if (document.is_object() && document.value("schema_version", json()) == 2) upgrade(document);
-    if (document.is_object()) add_later_lists(document), add_later_fields(document);
+    if (document.is_object()) add_later_fields(document), add_later_record_fields(document);
     Reader reader(document, file_name, "");
     int version = 0;
     reader("schema_version", version);

@@ -387,6 +387,47 @@ struct AblationRecord {
     std::string failure;  ///< why it could not be made; else empty
 };
 
+/// A strategy that could not take a scene.
+struct RefusalRecord {
+    std::string scene;
+    std::string tracer;
+    std::string reason;
+};
+
+/// A share of a study's points: every `count`-th, from the `index`-th on.
+struct Shard {
+    uint32_t index = 1;  ///< 1 to count
+    uint32_t count = 1;
+
+    bool operator==(const Shard&) const = default;
+};
+
+/// Rows of one list of Results.
+struct ListRows {
+    std::string list;
+    std::vector<uint32_t> rows;
+};
+
+/// A finished point of a study, and which records are its own.
+struct StudyPoint {
+    std::string key;
+    std::vector<ListRows> records;
+};
+
+/// One of the runs that were merged: each measured its own points on its own machine.
+struct StudyPart {
+    Shard shard;
+    Manifest manifest;
+};
+
+/// A run that is made of points, each finished as a whole; see compare/study.h.
+struct StudyRecord {
+    Shard shard;
+    std::vector<std::string> keys;   ///< of all points of all shards, in order
+    std::vector<StudyPoint> points;  ///< the finished ones, in order
+    std::vector<StudyPart> parts;    ///< of a merged file, by shard; else empty
+};
+
 struct Results {
     static constexpr int kSchemaVersion = 3;
     Manifest manifest;
@@ -404,7 +445,22 @@ struct Results {
     std::vector<GrowthBuild> growth_builds;
     std::vector<GrowthTrace> growth_traces;
     std::vector<AblationRecord> ablations;
+    std::vector<RefusalRecord> refusals;
+    std::optional<StudyRecord> study;  ///< absent where the run is not made of points
 };
+
+/// Calls visit(name, &Results::list) for every list of records, in the order of the file.
+template <class Visit>
+void for_each_list(Visit&& visit) {
+    visit("scenes", &Results::scenes), visit("tracers", &Results::tracers);
+    visit("checks", &Results::checks), visit("images", &Results::images);
+    visit("timings", &Results::timings), visit("frame_timings", &Results::frame_timings);
+    visit("claims", &Results::claims), visit("sweeps", &Results::sweeps);
+    visit("ladders", &Results::ladders), visit("tradeoffs", &Results::tradeoffs);
+    visit("paces", &Results::paces), visit("growth_builds", &Results::growth_builds);
+    visit("growth_traces", &Results::growth_traces), visit("ablations", &Results::ablations);
+    visit("refusals", &Results::refusals);
+}
 
 /// JSON text of a run. Infinities are the strings "inf" and "-inf", NaN is null; all else reads
 /// back as the very value that was written.

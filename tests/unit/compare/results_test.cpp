@@ -239,6 +239,11 @@ Results full_results() {
                           0.25,
                           0.625,
                           "none"}};
+    results.refusals = {{"bunny", "paper/x/y", "too large"}};
+    results.study = {{2, 4},
+                     {"bunny, primary", "bunny, random"},
+                     {{"bunny, random", {{"checks", {0}}}}},
+                     {{{2, 4}, results.manifest}}};
     return results;
 }
 
@@ -290,19 +295,25 @@ TEST(ResultsJson, reads_back_what_was_written) {
     EXPECT_FALSE(again.paces[0].after) << "clocks that could not be read stay absent";
     EXPECT_EQ(again.growth_builds[0].build_ms, (std::vector<double>{1.5, 2.5}));
     EXPECT_TRUE(again.growth_traces[0].growing_rays);
+    ASSERT_TRUE(again.study);
+    EXPECT_EQ(again.study->shard, (Shard{2, 4}));
+    EXPECT_EQ(again.study->points[0].records[0].rows, std::vector<uint32_t>{0});
 }
 
 TEST(ResultsJson, reads_files_that_are_older_than_its_last_lists) {
     auto document = nlohmann::json::parse(to_json(full_results()));
-    for (const char* list : {"paces", "growth_builds", "growth_traces"}) document.erase(list);
+    for (const char* name : {"paces", "growth_builds", "growth_traces", "refusals", "study"}) {
+        document.erase(name);
+    }
     const Results old = results_from_json(document.dump(), "old.json");
+    EXPECT_FALSE(old.study);
     EXPECT_TRUE(old.paces.empty());
     EXPECT_EQ(old.sweeps.size(), 1u);
 }
 
 TEST(ResultsJson, holds_every_member_of_every_record) {
     const auto document = nlohmann::json::parse(to_json(full_results()));
-    EXPECT_EQ(document.size(), 16u) << "the version and the members of Results";
+    EXPECT_EQ(document.size(), 18u) << "the version and the members of Results";
     EXPECT_EQ(document["manifest"].size(), 17u);
     EXPECT_EQ(document["scenes"][0].size(), 7u);
     EXPECT_EQ(document["tracers"][0].size(), 11u);
@@ -322,6 +333,8 @@ TEST(ResultsJson, holds_every_member_of_every_record) {
     EXPECT_EQ(document["paces"][0]["before"].size(), 3u);
     EXPECT_EQ(document["growth_builds"][0].size(), 9u);
     EXPECT_EQ(document["growth_traces"][0].size(), 12u);
+    EXPECT_EQ(document["refusals"][0].size(), 3u);
+    EXPECT_EQ(document["study"].size(), 4u);
     const auto& worst = document["checks"][0]["classes"]["false_hit"]["worst"];
     EXPECT_EQ(worst.size(), 5u);
     EXPECT_EQ(worst["ray"].size(), 4u);
