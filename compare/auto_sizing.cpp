@@ -87,10 +87,9 @@ std::vector<CountedSize> climb(const CatalogueEntry& counter, const ScenePtr& sc
     double least_ns = std::numeric_limits<double>::infinity();
     const double highest = highest_density(*scene);
     for (double density = kCoarsestDensity; density <= highest; density *= kLadderStep) {
-        const std::optional<CountedSize> counted =
-            try_sample(counter, scene, params,
-                       {.top_density = top_density, .object_density = density}, sample, by_object,
-                       refusal);
+        const std::optional<CountedSize> counted = try_sample(
+            counter, scene, params, {.top_density = top_density, .object_density = density}, sample,
+            by_object, refusal);
         // Lists that are too long end with a finer grid; cells that are too many do not.
         if (!counted && !ladder.empty()) break;
         if (!counted) continue;
@@ -156,9 +155,8 @@ AutoSizing choose_sizes(const CatalogueEntry& counter, const ScenePtr& scene,
 
     // The objects: all of them climb one ladder, and each stays on its own rung.
     chosen.counted = climb(counter, scene, params, usual.top_density, sample, costs);
-    const CountedSize& shared = best_rung(chosen.counted, [&](const CountedSize& rung) {
-        return costs.ns(rung.cells, rung.tests);
-    });
+    const CountedSize& shared = best_rung(
+        chosen.counted, [&](const CountedSize& rung) { return costs.ns(rung.cells, rung.tests); });
     chosen.size.object_density = shared.density;
     chosen.predicted_ns = costs.ns(shared.cells, shared.tests);
     chosen.size.sizes = own_sizes(chosen.counted, shared.density, costs);

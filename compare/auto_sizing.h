@@ -31,9 +31,9 @@ struct CountedSize {
     double density = 0.0;
     double cells = 0.0;                ///< a ray, both levels
     double tests = 0.0;                ///< a ray
-    std::vector<double> object_cells;  ///< by object, a ray of the whole sample; empty for one
-    std::vector<double> object_tests;
-    std::vector<size_t> object_rays;  ///< rays that walked in the object's grids
+    std::vector<double> object_cells{};  ///< by object, a ray of the whole sample; empty for one
+    std::vector<double> object_tests{};
+    std::vector<size_t> object_rays{};  ///< rays that walked in the object's grids
 };
 
 struct AutoSizing {

@@ -251,7 +251,7 @@ struct SweepPoint {
     double cells_per_ray = 0.0;  ///< from a separate, counted pass
     double tests_per_ray = 0.0;
     uint64_t errors = 0;
-    std::string failure;          ///< why this size could not be built; else empty
+    std::string failure;                 ///< why this size could not be built; else empty
     std::vector<double> wall_ms;         ///< empty after a failure
     std::vector<double> device_ms;       ///< empty where the device has no timer to trust
     std::vector<double> oracle_wall_ms;  ///< of the same rounds

@@ -167,17 +167,14 @@ const SceneSizing& scene_of(const SizingFile& file, const std::string& file_name
 
 const TracerSizing& tracer_of(const SceneSizing& scene, const std::string& file_name,
                               const std::string& tracer, const std::vector<std::string>& rays) {
-    const auto storage_of = [](const std::string& name) {
-        return name.substr(0, name.rfind('/'));
-    };
+    const auto storage_of = [](const std::string& name) { return name.substr(0, name.rfind('/')); };
     const TracerSizing* found = nullptr;
     int found_rank = 0;
     std::set<std::string> known;
     for (const TracerSizing& sizing : scene.tracers) {
         known.insert(sizing.tracer);
         if (storage_of(sizing.tracer) != storage_of(tracer)) continue;
-        const bool same_rays =
-            std::find(rays.begin(), rays.end(), sizing.rays) != rays.end();
+        const bool same_rays = std::find(rays.begin(), rays.end(), sizing.rays) != rays.end();
         const int rank = 1 + (sizing.tracer == tracer ? 2 : 0) + (same_rays ? 1 : 0);
         if (rank <= found_rank) continue;
         found = &sizing;
@@ -280,8 +277,8 @@ SizingFile read_sizing_file(const fs::path& path) {
     std::error_code ignored;
     std::ifstream file(path, std::ios::binary);
     if (!file || fs::is_directory(path, ignored)) {
-        throw Error({path.string(), "a file that cannot be opened", "a sizing file of onepass",
-                     kRemedy});
+        throw Error(
+            {path.string(), "a file that cannot be opened", "a sizing file of onepass", kRemedy});
     }
     return sizing_from_json({std::istreambuf_iterator<char>(file), {}}, path.string());
 }
@@ -291,8 +288,8 @@ GridSize size_from(const SizingFile& file, const std::string& file_name, const s
                    const std::vector<std::string>& rays) {
     const SceneSizing& of_scene = scene_of(file, file_name, scene_hash);
     const TracerSizing& sizing = tracer_of(of_scene, file_name, tracer, rays);
-    check_objects(sizing,
-                  fmt::format("{}, scene {}, {}", file_name, of_scene.scene, sizing.tracer), scene);
+    check_objects(sizing, fmt::format("{}, scene {}, {}", file_name, of_scene.scene, sizing.tracer),
+                  scene);
 
     GridSize size{.top_density = sizing.top_density, .chosen = kFileSize};
     const std::string& first = sizing.objects.front().size;

@@ -93,32 +93,43 @@ TimingOptions quick(TimingOptions timing) {
     return timing;
 }
 
-/// One axis of a search: the tried densities, filled as it goes.
+/// One axis of a search; what it measured joins `all`. Returns the fastest.
 template <class SizeAt>
-void search_axis(const SweepCase& sweep, const SweepOptions& options, const DensitySearch& search,
-                 const SizeAt& size_at, std::vector<GridSize>& tried_sizes, GridSize& best,
-                 const Progress& progress) {
+std::optional<GridSize> search_axis(const SweepCase& sweep, const SweepOptions& options,
+                                    const DensitySearch& search, const SizeAt& size_at,
+                                    std::vector<SweepPoint>& all, const Progress& progress) {
     std::vector<TriedDensity> tried;
     std::vector<SweepPoint> points;
-    for (bool coarse = true;; coarse = false) {
+    while (true) {
         std::vector<GridSize> next;
-        const std::vector<double> densities = next_densities(tried, search);
-        for (const double density : densities) {
+        for (const double density : next_densities(tried, search)) {
             next.push_back(size_at(density));
-            next.back().chosen = coarse ? kCoarseSize : kRefinedSize;
+            next.back().chosen = tried.empty() ? kCoarseSize : kRefinedSize;
         }
         if (next.empty()) break;
-        const std::vector<SweepPoint> measured =
-            measure_together(sweep, next, options, progress);
+        const std::vector<SweepPoint> measured = measure_together(sweep, next, options, progress);
         if (measured.empty()) break;  // stopped
         points.insert(points.end(), measured.begin(), measured.end());
-        tried_sizes.insert(tried_sizes.end(), next.begin(), next.end());
         const std::vector<double> ns = comparable_ns(points);
-        for (const double density : densities) tried.push_back({density, 0.0});
-        for (size_t i = 0; i < tried.size(); ++i) tried[i].ns = ns[i];
+        tried.clear();
+        for (size_t i = 0; i < points.size(); ++i) tried.push_back({size_at.of(points[i]), ns[i]});
     }
-    if (const std::optional<Tuning> tuning = tuning_of(points)) best = size_of(points[tuning->best]);
+    all.insert(all.end(), points.begin(), points.end());
+    const std::optional<Tuning> tuning = tuning_of(points);
+    return tuning ? std::optional(size_of(points[tuning->best])) : std::nullopt;
 }
+
+/// The axes of a search: the one density moves, the other stays.
+struct ObjectAxis {
+    double top_density;
+    GridSize operator()(double density) const { return {top_density, density, {}, {}, {}}; }
+    static double of(const SweepPoint& point) { return point.object_density; }
+};
+struct TopAxis {
+    double object_density;
+    GridSize operator()(double density) const { return {density, object_density, {}, {}, {}}; }
+    static double of(const SweepPoint& point) { return point.top_density; }
+};
 
 }  // namespace
 
@@ -164,9 +175,13 @@ std::vector<GridSize> listed_sizes(const TracerInfo& info, const SweepOptions& o
     }
     std::vector<double> top_densities = options.top_densities;
     if (top_densities.empty()) top_densities = {usual.top_density};
+    std::vector<double> object_densities = options.object_densities;
+    if (object_densities.empty() && options.resolutions.empty()) {
+        object_densities = {usual.object_density};
+    }
     std::vector<GridSize> sizes;
     for (const double top : top_densities) {
-        for (const double density : options.object_densities) {
+        for (const double density : object_densities) {
             sizes.push_back({top, density, {}, {}, kListedSize});
         }
         for (const std::string& text : options.resolutions) {
@@ -188,8 +203,8 @@ std::vector<SweepPoint> measure_together(const SweepCase& sweep, std::span<const
         if (!go_on(progress, 0.0)) return {};
         SweepPoint& point = points.emplace_back(point_at(sweep, size));
         try {
-            owned.push_back(sweep.entry.make(
-                sweep.scene, sized_params(sweep.entry.info, options.params, size)));
+            owned.push_back(sweep.entry.make(sweep.scene,
+                                             sized_params(sweep.entry.info, options.params, size)));
         } catch (const Error& error) {
             point.failure = error.what();
             continue;
@@ -218,8 +233,8 @@ std::vector<SweepPoint> sweep_grid_sizes(const CatalogueEntry& entry, const Scen
     std::vector<SweepPoint> points;
     for (size_t i = 0; i < sizes.size(); ++i) {
         const Progress inner = [&](double share) {
-            return go_on(progress, (static_cast<double>(i) + share) /
-                                       static_cast<double>(sizes.size()));
+            return go_on(progress,
+                         (static_cast<double>(i) + share) / static_cast<double>(sizes.size()));
         };
         if (hooks.is_done && hooks.is_done(sizes[i])) continue;
         if (!inner(0.0)) break;
@@ -278,44 +293,37 @@ double highest_density(const Scene& scene) {
     return kMostSearchedCells / std::max(1.0, triangles);
 }
 
-std::vector<GridSize> search_sizes(const SweepCase& sweep, const SweepOptions& options,
-                                   const Progress& progress) {
+std::vector<SweepPoint> search_sizes(const SweepCase& sweep, const SweepOptions& options,
+                                     const Progress& progress) {
     const TracerInfo& info = sweep.entry.info;
     const GridSize usual = default_size(info, options.params);
     SweepOptions quickly = options;
     quickly.timing = quick(options.timing);
-    std::vector<GridSize> tried;
-    GridSize best = usual;
+    std::vector<SweepPoint> points;
 
     // The objects.
     DensitySearch objects;
     objects.highest = std::min(objects.highest, highest_density(*sweep.scene));
-    search_axis(
-        sweep, quickly, objects,
-        [&](double density) { return GridSize{usual.top_density, density, {}, {}, {}}; }, tried,
-        best, progress);
+    const std::optional<GridSize> best =
+        search_axis(sweep, quickly, objects, ObjectAxis{usual.top_density}, points, progress);
 
     // The top level, where there is one.
     const bool has_top = sweep.scene->instances.size() > 1 && has_param(info, kTopDensityParam);
-    if (has_top && !tried.empty()) {
-        const double object_density = best.object_density;
+    if (has_top && best) {
         DensitySearch top;
         top.coarse = {usual.top_density / 4.0, usual.top_density, usual.top_density * 4.0};
-        search_axis(
-            sweep, quickly, top,
-            [&](double density) { return GridSize{density, object_density, {}, {}, {}}; }, tried,
-            best, progress);
+        search_axis(sweep, quickly, top, TopAxis{best->object_density}, points, progress);
     }
 
     // Each once: the second search meets the first one's best again.
-    std::vector<GridSize> sizes;
-    for (const GridSize& size : tried) {
-        const bool known = std::any_of(sizes.begin(), sizes.end(), [&](const GridSize& s) {
-            return s.top_density == size.top_density && s.object_density == size.object_density;
+    std::vector<SweepPoint> unique;
+    for (SweepPoint& point : points) {
+        const bool known = std::any_of(unique.begin(), unique.end(), [&](const SweepPoint& p) {
+            return p.top_density == point.top_density && p.object_density == point.object_density;
         });
-        if (!known) sizes.push_back(size);
+        if (!known) unique.push_back(std::move(point));
     }
-    return sizes;
+    return unique;
 }
 
 const SweepPoint* best_point(std::span<const SweepPoint> points) {

@@ -1,7 +1,8 @@
 // The grid-size study: one strategy at many sizes, each checked, counted and timed.
 //
 // Sizes are either listed by the caller, each a point of its own, or searched for: in wide steps
-// of density, then between the best and its neighbours, and at last measured all in the same rounds.
+// of density, then between the best and its neighbours, and at last measured all in the same
+// rounds.
 #pragma once
 
 #include <functional>
@@ -18,11 +19,11 @@
 namespace onepass {
 
 /// The parameters by which a grid strategy takes its sizes.
-inline constexpr char kObjectDensityParam[] = "density";    ///< cells a triangle
-inline constexpr char kTopDensityParam[] = "top_density";   ///< cells an instance
-inline constexpr char kResolutionParam[] = "resolution";    ///< of every object grid
+inline constexpr char kObjectDensityParam[] = "density";   ///< cells a triangle
+inline constexpr char kTopDensityParam[] = "top_density";  ///< cells an instance
+inline constexpr char kResolutionParam[] = "resolution";   ///< of every object grid
 inline constexpr char kTopResolutionParam[] = "top_resolution";
-inline constexpr char kObjectSizesParam[] = "sizes";        ///< one an object
+inline constexpr char kObjectSizesParam[] = "sizes";  ///< one an object
 
 /// One size of a strategy's grids.
 struct GridSize {
@@ -36,8 +37,9 @@ struct GridSize {
 };
 
 struct SweepOptions {
-    std::vector<double> object_densities;  ///< cells a triangle
-    std::vector<double> top_densities;     ///< cells an instance; empty: the strategy's default
+    std::vector<double> object_densities;  ///< cells a triangle; where neither they nor resolutions
+                                           ///< are listed, the strategy's own
+    std::vector<double> top_densities;     ///< cells an instance; empty: the strategy's own
     std::vector<std::string> resolutions;  ///< "64x32x32", beside the densities
     ParamValues params;                    ///< the strategy's other parameters
     HitCheckOptions check;
@@ -124,10 +126,12 @@ inline constexpr double kMostSearchedCells = 0x1p26;
 double highest_density(const Scene& scene);
 
 /// Searches the density of the objects at the strategy's top density, then, where there are
-/// several instances and a top density, that of the top level at the best object density. Quick
-/// timings decide where to look; the sizes come back in the order they were tried, to be measured.
-std::vector<GridSize> search_sizes(const SweepCase& sweep, const SweepOptions& options,
-                                   const Progress& progress = {});
+/// several instances and a top density, that of the top level at the best object density.
+///
+/// The points rest on few rounds: they say where to look, and their sizes are to be measured again,
+/// together. Each size stands once, in the order in which it was tried.
+std::vector<SweepPoint> search_sizes(const SweepCase& sweep, const SweepOptions& options,
+                                     const Progress& progress = {});
 
 /// The fastest point without a failure and with the fewest errors; null if there is none.
 const SweepPoint* best_point(std::span<const SweepPoint> points);

@@ -178,9 +178,8 @@ std::optional<Tuning> tuning_of(std::span<const SweepPoint> points) {
     if (tuning.model) {
         for (const SweepPoint& point : points) {
             tuning.predicted_ns.push_back(
-                point.failure.empty()
-                    ? tuning.model->ns(point.cells_per_ray, point.tests_per_ray)
-                    : kNan);
+                point.failure.empty() ? tuning.model->ns(point.cells_per_ray, point.tests_per_ray)
+                                      : kNan);
         }
         if (!by_density.empty()) {
             tuning.predicted = least(by_density, tuning.predicted_ns);
@@ -222,8 +221,7 @@ std::vector<LeftOut> leave_one_out(std::span<const SweepPoint> points) {
     std::vector<LeftOut> left_out;
     for (const auto& [key, own] : series) {
         if (own.size() < 2) continue;
-        const std::optional<CostModel> costs =
-            fit_costs(samples_without(series, std::get<0>(key)));
+        const std::optional<CostModel> costs = fit_costs(samples_without(series, std::get<0>(key)));
         if (!costs) continue;
         std::vector<double> predicted;
         for (const SweepPoint& point : own) {
@@ -231,8 +229,7 @@ std::vector<LeftOut> leave_one_out(std::span<const SweepPoint> points) {
         }
         const std::vector<double> ns = comparable_ns(own);
         const size_t chosen = coarsest_worthwhile(predicted);
-        const auto best =
-            static_cast<size_t>(std::min_element(ns.begin(), ns.end()) - ns.begin());
+        const auto best = static_cast<size_t>(std::min_element(ns.begin(), ns.end()) - ns.begin());
         left_out.push_back({std::get<0>(key), std::get<1>(key), *costs, own.size(),
                             own[chosen].object_density, own[best].object_density,
                             regret_of(own, ns, chosen, best)});

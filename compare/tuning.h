@@ -58,11 +58,11 @@ struct Tuning {
     std::vector<double> ns;  ///< comparable_ns
     size_t best = 0;         ///< the fastest
 
-    std::optional<CostModel> model;     ///< fitted to these points
-    std::vector<double> predicted_ns;   ///< by the model; empty without
-    std::optional<size_t> predicted;    ///< the size by density of the model's least time
+    std::optional<CostModel> model;    ///< fitted to these points
+    std::vector<double> predicted_ns;  ///< by the model; empty without
+    std::optional<size_t> predicted;   ///< the size by density of the model's least time
     Regret predicted_regret{};
-    std::vector<DensityBand> bands;     ///< by kBandShares; empty if the best is not by density
+    std::vector<DensityBand> bands;  ///< by kBandShares; empty if the best is not by density
 
     size_t smallest = 0;       ///< the fewest bytes within kNoFinerShare of the best
     double saved_bytes = 0.0;  ///< against the best
@@ -80,10 +80,10 @@ std::optional<Tuning> tuning_of(std::span<const SweepPoint> points);
 struct LeftOut {
     std::string scene;
     std::string rays;
-    CostModel costs;       ///< fitted to all other scenes
-    size_t points = 0;     ///< sizes by density that the costs chose from
-    double chosen = 0.0;   ///< density of their choice
-    double best = 0.0;     ///< density of the best measured
+    CostModel costs;      ///< fitted to all other scenes
+    size_t points = 0;    ///< sizes by density that the costs chose from
+    double chosen = 0.0;  ///< density of their choice
+    double best = 0.0;    ///< density of the best measured
     Regret regret{};
 };
 

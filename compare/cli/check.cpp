@@ -14,6 +14,7 @@
 #include "compare/cli/options.h"
 #include "compare/cli/pictures.h"
 #include "compare/cli/progress_bar.h"
+#include "compare/cli/sizing.h"
 #include "compare/cli/table.h"
 #include "compare/frames.h"
 #include "compare/images.h"
@@ -26,6 +27,7 @@ namespace {
 struct CheckCommand {
     std::vector<std::string> scenes;
     StrategyOptions strategy;
+    SizingOptions sizing;
     RayOptions rays{{"primary", "random"}, "512x512", 0};
     std::vector<std::string> allow;
     double sample = HitCheckOptions{}.agreement_sample;
@@ -160,7 +162,7 @@ std::string image_line(const ImageRecord& image) {
 struct CheckRun {
     Session& session;
     const CheckCommand& options;
-    const std::vector<SelectedStrategy> selected;
+    const std::vector<SelectedStrategy> asked;
     const ImageSize size;
     const HitCheckOptions hit_options;
     PictureSet pictures;
@@ -170,6 +172,8 @@ struct CheckRun {
     std::vector<std::string> cast_only = {};  ///< scenes and tracers without an image to compare
     std::vector<std::string> refusals = {};   ///< scenes that a strategy cannot take, and why
     std::exception_ptr refused = {};          ///< the last of them
+    std::vector<SelectedStrategy> selected =
+        {};  ///< those asked for, as this scene's sizing has it
 
     RayRequest ray_request() const {
         return {size.width, size.height, options.rays.camera, session.globals.seed};
@@ -261,6 +265,8 @@ struct CheckRun {
         // The truth, once. Tracers are made at rest, and moved to the frame.
         Court court = open_court(session, name);
         const ScenePtr at_rest = court.open.scene;
+        selected = sized(session, court.open, asked, options.sizing, options.rays.kinds,
+                         options.rays.camera);
         const std::vector<Affine> transforms =
             frame ? move_to_frame(court, *frame, options.fps) : std::vector<Affine>();
         results.manifest.judge = court.judge->name();
@@ -294,6 +300,7 @@ struct CheckRun {
             if (frame) tracer->update(transforms);
             results.tracers.push_back(
                 make_tracer_record(court.open.name, *tracer, entry->info, params));
+            results.tracers.back().sizing = sizing_name(entry->info, options.sizing);
             cast_all(*tracer);
             if (options.image && tracer->capabilities().render) {
                 check_image_of(court, truth, *tracer);
@@ -406,6 +413,7 @@ void add_check(CLI::App& app, Session& session) {
     auto options = std::make_shared<CheckCommand>();
     command->add_option("scenes", options->scenes, "Scene names or files")->required();
     add_strategy_options(*command, options->strategy);
+    add_sizing_options(*command, options->sizing);
     add_ray_options(*command, options->rays);
     command
         ->add_option("--allow", options->allow,
