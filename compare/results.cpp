@@ -53,7 +53,8 @@ void fields(A& a, Deviation& d) {
 
 template <class A>
 void fields(A& a, TracerRecord& t) {
-    a("scene", t.scene), a("name", t.name), a("params", t.params), a("device", t.device);
+    a("scene", t.scene), a("name", t.name), a("params", t.params);
+    a("sizing", t.sizing), a("device", t.device);
     a("software_renderer", t.software_renderer), a("is_oracle", t.is_oracle);
     a("is_twin", t.is_twin), a("threads", t.threads), a("shader_hash", t.shader_hash);
     a("stats", t.stats), a("deviations", t.deviations);
@@ -169,10 +170,13 @@ template <class A>
 void fields(A& a, SweepPoint& p) {
     a("scene", p.scene), a("rays", p.rays), a("tracer", p.tracer);
     a("top_density", p.top_density), a("object_density", p.object_density);
+    a("resolution", p.resolution), a("sizes", p.sizes), a("chosen", p.chosen);
+    a("ray_count", p.ray_count);
     a("cells", p.cells), a("references", p.references), a("bytes", p.bytes);
     a("build_ms", p.build_ms), a("cells_per_ray", p.cells_per_ray);
     a("tests_per_ray", p.tests_per_ray), a("errors", p.errors), a("failure", p.failure);
-    a("wall_ms", p.wall_ms), a("ratio", p.ratio), a("ratio_low", p.ratio_low);
+    a("wall_ms", p.wall_ms), a("device_ms", p.device_ms);
+    a("oracle_wall_ms", p.oracle_wall_ms), a("ratio", p.ratio), a("ratio_low", p.ratio_low);
     a("ratio_high", p.ratio_high);
 }
 
@@ -551,6 +555,20 @@ void add_later_fields(json& document) {
     if (!document.contains("study")) document["study"] = nullptr;
 }
 
+/// Fields that its records gained: empty in older files.
+void add_later_record_fields(json& document) {
+    const auto add = [&](const char* list, const char* field, const json& value) {
+        if (!document.contains(list)) return;
+        for (json& record : document[list]) {
+            if (record.is_object() && !record.contains(field)) record[field] = value;
+        }
+    };
+    add("tracers", "sizing", "");
+    for (const char* field : {"resolution", "sizes", "chosen"}) add("sweeps", field, "");
+    add("sweeps", "ray_count", 0u);
+    for (const char* field : {"device_ms", "oracle_wall_ms"}) add("sweeps", field, json::array());
+}
+
 }  // namespace
 
 Results results_from_json(const std::string& text, const std::string& file_name) {
@@ -560,7 +578,7 @@ Results results_from_json(const std::string& text, const std::string& file_name)
                      "Name a file written with --json."});
     }
     if (document.is_object() && document.value("schema_version", json()) == 2) upgrade(document);
-    if (document.is_object()) add_later_fields(document);
+    if (document.is_object()) add_later_fields(document), add_later_record_fields(document);
     Reader reader(document, file_name, "");
     int version = 0;
     reader("schema_version", version);

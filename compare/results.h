@@ -54,6 +54,7 @@ struct TracerRecord {
     std::string scene;
     std::string name;    ///< strategy/storage/entry
     ParamValues params;  ///< all of them, defaults included
+    std::string sizing;  ///< "auto" or the sizing file that chose the grids' sizes; else empty
     std::string device;
     bool software_renderer = false;
     bool is_oracle = false;
@@ -239,6 +240,10 @@ struct SweepPoint {
     std::string tracer;
     double top_density = 0.0;
     double object_density = 0.0;
+    std::string resolution;  ///< "64x32x32", of every object grid instead of a density; or empty
+    std::string sizes;       ///< each object's own, as the parameter `sizes` takes them; or empty
+    std::string chosen;      ///< how this size came to be measured (compare/tuning.h)
+    uint64_t ray_count = 0;
     uint64_t cells = 0;  ///< of all grids
     uint64_t references = 0;
     uint64_t bytes = 0;  ///< on the device
@@ -246,9 +251,11 @@ struct SweepPoint {
     double cells_per_ray = 0.0;  ///< from a separate, counted pass
     double tests_per_ray = 0.0;
     uint64_t errors = 0;
-    std::string failure;          ///< why this size could not be built; else empty
-    std::vector<double> wall_ms;  ///< empty after a failure
-    double ratio = 0.0;           ///< as in TimingRecord
+    std::string failure;                 ///< why this size could not be built; else empty
+    std::vector<double> wall_ms;         ///< empty after a failure
+    std::vector<double> device_ms;       ///< empty where the device has no timer to trust
+    std::vector<double> oracle_wall_ms;  ///< of the same rounds
+    double ratio = 0.0;                  ///< as in TimingRecord
     double ratio_low = 0.0;
     double ratio_high = 0.0;
 };

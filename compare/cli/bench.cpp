@@ -11,6 +11,7 @@
 #include "compare/cli/commands.h"
 #include "compare/cli/options.h"
 #include "compare/cli/progress_bar.h"
+#include "compare/cli/sizing.h"
 #include "compare/cli/study_run.h"
 #include "compare/cli/table.h"
 #include "compare/manifest.h"
@@ -23,6 +24,7 @@ namespace {
 struct BenchCommand {
     std::vector<std::string> scenes;
     StrategyOptions strategy;
+    SizingOptions sizing;
     RayOptions rays{{"primary", "random"}, "512x512", 0};
     std::vector<std::string> references = {"embree/*/threads", "embree/*/1thread"};
     TimingOptions timing;
@@ -151,10 +153,12 @@ void bench_scene(Session& session, const BenchCommand& options, const std::strin
     shared.scenes.push_back(court.open.record);
     std::vector<std::unique_ptr<Tracer>> owned;
     std::vector<Tracer*> tracers;
-    for (const auto& [entry, params] : selected) {
+    for (const auto& [entry, params] : sized(session, court.open, selected, options.sizing,
+                                             options.rays.kinds, options.rays.camera)) {
         owned.push_back(entry->make(court.open.scene, params));
         tracers.push_back(owned.back().get());
         shared.tracers.push_back(make_tracer_record(name, *tracers.back(), entry->info, params));
+        shared.tracers.back().sizing = sizing_name(entry->info, options.sizing);
     }
 
     for (const std::string& kind : kinds) {
@@ -222,6 +226,7 @@ void add_bench(CLI::App& app, Session& session) {
     auto options = std::make_shared<BenchCommand>();
     command->add_option("scenes", options->scenes, "Scene names or files")->required();
     add_strategy_options(*command, options->strategy);
+    add_sizing_options(*command, options->sizing);
     add_ray_options(*command, options->rays);
     command
         ->add_flag("--settings", options->settings,
@@ -239,6 +244,7 @@ void add_bench(CLI::App& app, Session& session) {
         ->excludes("--strategy")
         ->excludes("--param")
         ->excludes("--settings");
+    command->get_option("--sizing")->excludes("--settings")->excludes("--ablate");
     command->add_option("--entry", options->entry, "Of --settings: fragment or compute")
         ->check(CLI::IsMember({"fragment", "compute"}))
         ->needs("--settings")

@@ -14,6 +14,7 @@
 #include "compare/cli/options.h"
 #include "compare/cli/pictures.h"
 #include "compare/cli/progress_bar.h"
+#include "compare/cli/sizing.h"
 #include "compare/cli/study_run.h"
 #include "compare/cli/table.h"
 #include "compare/frames.h"
@@ -27,6 +28,7 @@ namespace {
 struct CheckCommand {
     std::vector<std::string> scenes;
     StrategyOptions strategy;
+    SizingOptions sizing;
     RayOptions rays{{"primary", "random"}, "512x512", 0};
     std::vector<std::string> allow;
     double sample = HitCheckOptions{}.agreement_sample;
@@ -164,7 +166,7 @@ constexpr char kImage[] = "image";
 struct CheckRun {
     Session& session;
     const CheckCommand& options;
-    const std::vector<SelectedStrategy> selected;
+    const std::vector<SelectedStrategy> asked;
     const ImageSize size;
     const HitCheckOptions hit_options;
     PictureSet pictures;
@@ -172,6 +174,8 @@ struct CheckRun {
     std::string attributions = {};            ///< as text
     std::vector<std::string> cast_only = {};  ///< scenes and tracers without an image to compare
     std::exception_ptr refused = {};          ///< why the last strategy could not take a scene
+    std::vector<SelectedStrategy> selected =
+        {};  ///< those asked for, as this scene's sizing has it
 
     RayRequest ray_request() const {
         return {size.width, size.height, options.rays.camera, session.globals.seed};
@@ -267,6 +271,8 @@ struct CheckRun {
         // The truth, once. Tracers are made at rest, and moved to the frame.
         Court court = open_court(session, name);
         const ScenePtr at_rest = court.open.scene;
+        selected = sized(session, court.open, asked, options.sizing, options.rays.kinds,
+                         options.rays.camera);
         const std::vector<Affine> transforms =
             frame ? move_to_frame(court, *frame, options.fps) : std::vector<Affine>();
         study.check_scene(court.open.record);
@@ -306,6 +312,7 @@ struct CheckRun {
             if (frame) tracer->update(transforms);
             shared.tracers.push_back(
                 make_tracer_record(court.open.name, *tracer, entry->info, params));
+            shared.tracers.back().sizing = sizing_name(entry->info, options.sizing);
             cast_all(*tracer);
             if (image && tracer->capabilities().render) {
                 check_image_of(court, truth, *tracer, images);
@@ -442,6 +449,7 @@ void add_check(CLI::App& app, Session& session) {
     auto options = std::make_shared<CheckCommand>();
     command->add_option("scenes", options->scenes, "Scene names or files")->required();
     add_strategy_options(*command, options->strategy);
+    add_sizing_options(*command, options->sizing);
     add_ray_options(*command, options->rays);
     command
         ->add_option("--allow", options->allow,

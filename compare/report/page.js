@@ -178,15 +178,33 @@
         return { type: "scatter", data: { datasets: [...datasets, ...shapes] }, options };
     }
 
+    // Upright strips behind the curves: the densities whose time is within a share of the best.
+    const strips = (bands) => ({
+        id: "strips",
+        beforeDatasetsDraw({ ctx, scales, chartArea: { left, top, right, bottom } }) {
+            ctx.save();
+            ctx.fillStyle = css("--rule-strong");
+            ctx.globalAlpha = 0.28;
+            for (const { low, high } of bands) {
+                const from = Math.max(left, scales.x.getPixelForValue(low));
+                const to = Math.min(right, scales.x.getPixelForValue(high));
+                ctx.fillRect(from, top, Math.max(2, to - from), bottom - top);
+            }
+            ctx.restore();
+        },
+    });
+
     function sweep(plot) {
         const study = data.sweeps[Number(plot.dataset.sweep)];
         const measure = plot.dataset.measure;
         const curves = distinct(study.points.map((p) => p.curve));
+        const line = (curve, value) => study.points
+            .filter((p) => p.curve === curve && (p[value] ?? null) !== null)
+            .sort((a, b) => a.x - b.x)
+            .map((p) => ({ x: p.x, y: p[value], errors: p.errors }));
         const datasets = curves.map((curve, i) => ({
             label: `${study.curve} ${short(curve)}`,
-            data: study.points.filter((p) => p.curve === curve && p[measure] !== null)
-                .sort((a, b) => a.x - b.x)
-                .map((p) => ({ x: p.x, y: p[measure], errors: p.errors })),
+            data: line(curve, measure),
             borderColor: colour(i),
             backgroundColor: colour(i),
             pointStyle: kShapes[i % kShapes.length],
@@ -194,18 +212,31 @@
             radius: 3.5,
             tension: 0,
         }));
+        if (measure === "time") {
+            // What the model says of the same sizes, and the sizes that somebody chose.
+            curves.forEach((curve, i) => datasets.push({
+                label: i === 0 ? "by the model" : "", data: line(curve, "predicted"), pointStyle: "line",
+                borderColor: css("--quiet"), backgroundColor: "transparent", borderDash: [5, 4],
+                borderWidth: 1.5, radius: 0, hoverRadius: 0, tension: 0,
+            }));
+            study.marks.forEach((mark, i) => datasets.push({
+                label: mark.name, data: [{ x: mark.x, y: mark.time, errors: mark.errors }], showLine: false,
+                pointStyle: ["star", "triangle", "rectRot", "rect"][i % 4], radius: 8, hoverRadius: 10,
+                borderWidth: 2, borderColor: css("--ink"), backgroundColor: "transparent",
+            }));
+        }
         const options = base({
             x: axis(study.axis, { type: "logarithmic", ...margins(study.points.map((p) => p.x), 1.25), ticks: { callback: logTick, maxRotation: 0 } }),
             y: axis("", { min: 0, ticks: { maxTicksLimit: 6 } }),
-        }, (item) => `λ ${short(item.raw.x)}: ${short(item.raw.y)}, ${errorText(item.raw.errors)}`);
-        if (curves.length > 1) {
+        }, (item) => `${item.dataset.label}: λ ${short(item.raw.x)}: ${short(item.raw.y)}, ${errorText(item.raw.errors)}`);
+        if (datasets.length > 1) {
             options.plugins.legend = {
                 display: true,
                 position: "bottom",
-                labels: { color: css("--ink"), usePointStyle: true, boxHeight: 6, padding: 14 },
+                labels: { color: css("--ink"), usePointStyle: true, boxHeight: 6, padding: 10, filter: (item) => item.text !== "" },
             };
         }
-        return { type: "line", data: { datasets }, options };
+        return { type: "line", plugins: measure === "time" ? [strips(study.bands)] : [], data: { datasets }, options };
     }
 
     const claimsOf = (plot) => data.claims.filter((c) =>

@@ -63,6 +63,36 @@ TEST(Help, lists_every_command) {
     EXPECT_NE(outcome.out.find("Exit codes"), std::string::npos);
 }
 
+TEST(Tune, writes_sizes_that_check_takes_and_says_so_in_its_records) {
+    const TemporaryFolder folder;
+    const Outcome tuned =
+        onepass_in(folder, {"tune", "knife", "-s", "grid/buffer/twin32", "--size", "16x16",
+                            "--densities", "1,4", "--sizing", "auto", "--repetitions", "9",
+                            "--warm-up", "0", "--json", "tune.json", "--sizing-out", "sizes.json"});
+    ASSERT_EQ(tuned.exit_code, 0) << tuned.err;
+    const Results study = read_results(folder.path() / "tune.json");
+    ASSERT_EQ(study.sweeps.size(), 3u) << "two listed, and auto";
+    EXPECT_EQ(study.sweeps[2].chosen, "auto");
+
+    const std::vector<std::string> check = {"check",      "knife",   "-s",     "grid/buffer/twin32",
+                                            "--size",     "16x16",   "--json", "check.json",
+                                            "--no-image", "--sizing"};
+    const Outcome checked = onepass_in(folder, with(check, {"sizes.json"}));
+    EXPECT_EQ(checked.exit_code, 0) << checked.err;
+    const Results results = read_results(folder.path() / "check.json");
+    EXPECT_EQ(results.tracers[0].sizing, "sizes.json");
+    const auto file = nlohmann::json::parse(read_bytes(folder.path() / "sizes.json"));
+    EXPECT_EQ(results.tracers[0].params.at("density"),
+              file["scenes"][0]["tracers"][0]["objects"][0]["size"]);
+
+    std::filesystem::remove(folder.path() / "check.json");
+    expect_refused(folder,
+                   with({"check", "sr71a", "-s", "grid/buffer/twin32", "--sizing"}, {"sizes.json"}),
+                   "hash");
+    expect_refused(folder, with(check, {"none.json"}), "none.json");
+    expect_refused(folder, with(with(check, {"sizes.json"}), {"--param", "density=2"}), "--sizing");
+}
+
 TEST(Help, states_defaults_and_units) {
     const TemporaryFolder folder;
     const std::string check = onepass_in(folder, {"check", "--help"}).out;
@@ -72,7 +102,7 @@ TEST(Help, states_defaults_and_units) {
     const std::string bench = onepass_in(folder, {"bench", "--help"}).out;
     EXPECT_NE(bench.find("ms"), std::string::npos);
     EXPECT_NE(bench.find("=11"), std::string::npos) << bench;
-    EXPECT_NE(onepass_in(folder, {"tune", "--help"}).out.find("[0.5,1,2,4,8,16,32]"),
+    EXPECT_NE(onepass_in(folder, {"tune", "--help"}).out.find("cells a triangle"),
               std::string::npos);
 }
 

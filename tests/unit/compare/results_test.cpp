@@ -170,23 +170,9 @@ Results full_results() {
                        "onepass reproduce",
                        ClaimVerdict::depends,
                        {measurement}}};
-    results.sweeps = {{"bunny",
-                       "primary",
-                       "paper/x/y",
-                       1.25,
-                       5.5,
-                       1,
-                       2,
-                       3,
-                       4.5,
-                       5.5,
-                       6.5,
-                       7,
-                       "refused",
-                       {8.5},
-                       9.5,
-                       10.5,
-                       11.5}};
+    results.sweeps = {{"bunny",   "primary", "paper/x/y", 1.25,  5.5, "4x5x6", "2,3", "listed",
+                       4096,      1,         2,           3,     4.5, 5.5,     6.5,   7,
+                       "refused", {8.5},     {7.5},       {6.5}, 9.5, 10.5,    11.5}};
     RungRecord rung{.knob = 100.0,
                     .label = "-0",
                     .tracer = "paper/x/y",
@@ -280,6 +266,8 @@ TEST(ResultsJson, reads_back_what_was_written) {
     EXPECT_EQ(again.images[0].pictures, results.images[0].pictures);
     EXPECT_EQ(again.timings[0].oracle_wall_ms, results.timings[0].oracle_wall_ms);
     EXPECT_EQ(again.sweeps[0].failure, "refused");
+    EXPECT_EQ(again.sweeps[0].sizes, "2,3");
+    EXPECT_EQ(again.sweeps[0].oracle_wall_ms, (std::vector<double>{6.5}));
     ASSERT_EQ(again.tracers[0].deviations.size(), 1u);
     EXPECT_EQ(again.tracers[0].deviations[0].param, "edge_tolerance");
     EXPECT_EQ(again.tracers[0].deviations[0].summary, "slack");
@@ -316,7 +304,7 @@ TEST(ResultsJson, holds_every_member_of_every_record) {
     EXPECT_EQ(document.size(), 18u) << "the version and the members of Results";
     EXPECT_EQ(document["manifest"].size(), 17u);
     EXPECT_EQ(document["scenes"][0].size(), 7u);
-    EXPECT_EQ(document["tracers"][0].size(), 11u);
+    EXPECT_EQ(document["tracers"][0].size(), 12u);
     EXPECT_EQ(document["checks"][0].size(), 19u);
     EXPECT_EQ(document["checks"][0]["attribution"].size(), 3u);
     EXPECT_EQ(document["frame_timings"][0].size(), 22u);
@@ -328,7 +316,7 @@ TEST(ResultsJson, holds_every_member_of_every_record) {
     EXPECT_EQ(document["claims"][0]["measurements"][0].size(), 21u);
     EXPECT_EQ(document["images"][0].size(), 18u);
     EXPECT_EQ(document["timings"][0].size(), 15u);
-    EXPECT_EQ(document["sweeps"][0].size(), 17u);
+    EXPECT_EQ(document["sweeps"][0].size(), 23u);
     EXPECT_EQ(document["paces"][0].size(), 10u);
     EXPECT_EQ(document["paces"][0]["before"].size(), 3u);
     EXPECT_EQ(document["growth_builds"][0].size(), 9u);

@@ -228,7 +228,7 @@ struct SweepSetup {
     ScenePtr scene = std::make_shared<const Scene>();
     FakeTracer oracle{"oracle"};
     FakeJudge judge{[](const Ray&, const Hit&) { return Verdict{}; }};
-    SweepOptions options{{1.0, 4.0, 16.0, 64.0}, {}, {}, {}, quick()};
+    SweepOptions options{{1.0, 4.0, 16.0, 64.0}, {}, {}, {}, {}, quick()};
 };
 
 TEST(SweepGridSizes, measures_each_density_and_reports_what_was_refused) {
@@ -280,13 +280,96 @@ TEST(SweepGridSizes, takes_the_product_of_both_levels) {
 TEST(SweepGridSizes, drops_a_point_that_was_stopped_before_its_first_round) {
     SweepSetup setup;
     int calls = 0;
-    // The first point asks once before it, twice in its warm-up and once a round; the second gets
-    // as far as its own warm-up.
-    const Progress stop = [&](double) { return ++calls <= 1 + 2 + 9 + 1; };
+    // The first point asks once before it, once before its build, twice in its warm-up and once a
+    // round; the second gets as far as its own warm-up.
+    const Progress stop = [&](double) { return ++calls <= 1 + 1 + 2 + 9 + 2; };
     const auto points = sweep_grid_sizes(grid_strategy(), setup.scene, some_rays(1), setup.oracle,
                                          setup.judge, setup.options, stop);
     ASSERT_EQ(points.size(), 1u);
     EXPECT_EQ(points[0].wall_ms.size(), 9u);
+}
+
+TEST(SweepGridSizes, leaves_out_what_is_done_and_tells_of_each_point) {
+    SweepSetup setup;
+    std::vector<double> finished;
+    const SweepHooks hooks{[](const GridSize& size) { return size.object_density == 4.0; },
+                           [&](const SweepPoint& p) { finished.push_back(p.object_density); }};
+    sweep_grid_sizes(grid_strategy(), setup.scene, some_rays(1), setup.oracle, setup.judge,
+                     setup.options, {}, hooks);
+    EXPECT_EQ(finished, (std::vector<double>{1.0, 16.0, 64.0}));
+}
+
+TEST(SweepGridSizes, measures_all_sizes_of_a_search_in_the_same_rounds) {
+    SweepSetup setup;
+    const RaySet rays = some_rays(4);
+    const CatalogueEntry entry = grid_strategy();
+    const CastResult truth = setup.oracle.cast(setup.oracle.upload(rays.rays), {});
+    const SweepCase sweep{entry, setup.scene, rays, setup.oracle, setup.judge, truth};
+    const std::vector<GridSize> sizes = {{1.2, 1.0}, {1.2, 64.0}, {1.2, 4.0}};
+    const auto points = measure_together(sweep, sizes, setup.options);
+    ASSERT_EQ(points.size(), 3u);
+    EXPECT_FALSE(points[1].failure.empty()) << "a refused size keeps its place";
+    EXPECT_EQ(points[0].oracle_wall_ms, points[2].oracle_wall_ms);
+    EXPECT_EQ(points[0].ray_count, 4u);
+    EXPECT_EQ(points[2].wall_ms.size(), 9u);
+    EXPECT_EQ(points[2].object_density, 4.0);
+}
+
+TEST(SearchSizes, finds_the_best_density_of_a_strategy_that_refuses_fine_grids) {
+    SweepSetup setup;
+    const RaySet rays = some_rays(1);
+    const CatalogueEntry entry = grid_strategy();  // best at 4; refuses above 16
+    const CastResult truth = setup.oracle.cast(setup.oracle.upload(rays.rays), {});
+    const SweepCase sweep{entry, setup.scene, rays, setup.oracle, setup.judge, truth};
+    const auto points = search_sizes(sweep, setup.options);
+    const SweepPoint* best = best_point(points);
+    ASSERT_NE(best, nullptr);
+    EXPECT_LT(best->object_density, 4.0 * DensitySearch{}.finest);
+    EXPECT_GT(best->object_density, 4.0 / DensitySearch{}.finest);
+    std::vector<double> densities;
+    for (const SweepPoint& p : points) densities.push_back(p.object_density);
+    std::sort(densities.begin(), densities.end());
+    EXPECT_EQ(std::adjacent_find(densities.begin(), densities.end()), densities.end())
+        << "no density twice";
+}
+
+TEST(NextDensities, goes_beyond_an_end_while_that_is_best) {
+    const DensitySearch search;
+    const std::vector<TriedDensity> falling = {{0.5, 9}, {2, 8}, {8, 7}, {32, 6}, {128, 5}};
+    EXPECT_EQ(next_densities(falling, search), std::vector<double>{512.0});
+    const std::vector<TriedDensity> rising = {{0.5, 5}, {2, 6}, {8, 7}};
+    EXPECT_EQ(next_densities(rising, search), std::vector<double>{0.125});
+}
+
+TEST(NextDensities, halves_the_gaps_about_the_best_until_they_are_small) {
+    const DensitySearch search;
+    std::vector<TriedDensity> tried = {{2, 6}, {8, 5}, {32, 7}};
+    EXPECT_EQ(next_densities(tried, search), (std::vector<double>{4.0, 16.0}));
+    tried = {{7, 6}, {8, 5}, {9, 7}};
+    EXPECT_TRUE(next_densities(tried, search).empty());
+}
+
+TEST(NextDensities, takes_a_refused_size_for_the_slowest) {
+    const double refused = std::numeric_limits<double>::quiet_NaN();
+    const std::vector<TriedDensity> tried = {{2, 6}, {8, 5}, {32, refused}};
+    EXPECT_EQ(next_densities(tried, DensitySearch{}), (std::vector<double>{4.0, 16.0}));
+    const std::vector<TriedDensity> none = {{2, refused}, {8, refused}};
+    EXPECT_TRUE(next_densities(none, DensitySearch{}).empty());
+}
+
+TEST(ListedSizes, has_resolutions_behind_the_densities) {
+    CatalogueEntry entry = grid_strategy();
+    SweepOptions options;
+    options.object_densities = {2.0};
+    options.resolutions = {"8x4x2"};
+    EXPECT_THROW(listed_sizes(entry.info, options), Error) << "it has no parameter for it";
+    entry.info.params.push_back({"resolution", ParamInfo::Type::text, "auto", "cells", {}});
+    const auto sizes = listed_sizes(entry.info, options);
+    ASSERT_EQ(sizes.size(), 2u);
+    EXPECT_EQ(sizes[1].resolution, "8x4x2");
+    EXPECT_EQ(sized_params(entry.info, {}, sizes[1]).at("resolution"), "8x4x2");
+    options.resolutions = {"8x4"};
+    EXPECT_THROW(listed_sizes(entry.info, options), Error);
 }
 
 TEST(SweepGridSizes, refuses_a_strategy_without_a_density) {
