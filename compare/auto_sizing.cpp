@@ -82,7 +82,7 @@ std::vector<CountedSize> climb(const CatalogueEntry& counter, const ScenePtr& sc
     std::vector<CountedSize> ladder;
     std::string refusal;
     double least_ns = std::numeric_limits<double>::infinity();
-    const double highest = highest_density(*scene);
+    const double highest = std::min(DensitySearch{}.highest, highest_density(*scene));
     for (double density = kCoarsestDensity; density <= highest; density *= kLadderStep) {
         const std::optional<CountedSize> counted = try_sample(
             counter, scene, params, {.top_density = top_density, .object_density = density}, sample,
