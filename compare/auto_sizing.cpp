@@ -18,9 +18,6 @@ namespace {
 constexpr double kCoarsestDensity = 0.25;
 constexpr double kLadderStep = 2.0;
 
-/// Top-level densities, as factors of the strategy's own.
-constexpr double kTopFactors[] = {0.25, 1.0, 4.0, 16.0};
-
 /// Adds one ray's walk to its objects.
 void add_walk(const Scene& scene, const RayWalk& walk, CountedSize& counted) {
     std::vector<bool> seen(scene.objects.size(), false);
@@ -85,7 +82,7 @@ std::vector<CountedSize> climb(const CatalogueEntry& counter, const ScenePtr& sc
     std::vector<CountedSize> ladder;
     std::string refusal;
     double least_ns = std::numeric_limits<double>::infinity();
-    const double highest = highest_density(*scene);
+    const double highest = std::min(DensitySearch{}.highest, highest_density(*scene));
     for (double density = kCoarsestDensity; density <= highest; density *= kLadderStep) {
         const std::optional<CountedSize> counted = try_sample(
             counter, scene, params, {.top_density = top_density, .object_density = density}, sample,
@@ -161,26 +158,6 @@ AutoSizing choose_sizes(const CatalogueEntry& counter, const ScenePtr& scene,
     chosen.predicted_ns = costs.ns(shared.cells, shared.tests);
     chosen.size.sizes = own_sizes(chosen.counted, shared.density, costs);
 
-    // The top level, with the objects as they are now.
-    if (scene->instances.size() > 1 && has_param(counter.info, kTopDensityParam)) {
-        std::vector<CountedSize> tops;
-        std::string refusal;
-        for (const double factor : kTopFactors) {
-            GridSize size = chosen.size;
-            size.top_density = factor * usual.top_density;
-            const std::optional<CountedSize> counted =
-                try_sample(counter, scene, params, size, sample, false, refusal);
-            if (!counted) continue;
-            tops.push_back(*counted);
-            tops.back().density = size.top_density;
-        }
-        if (!tops.empty()) {
-            const CountedSize& top = best_rung(
-                tops, [&](const CountedSize& rung) { return costs.ns(rung.cells, rung.tests); });
-            chosen.size.top_density = top.density;
-            chosen.predicted_ns = costs.ns(top.cells, top.tests);
-        }
-    }
     const std::chrono::duration<double, std::milli> elapsed =
         std::chrono::steady_clock::now() - start;
     chosen.choice_ms = elapsed.count();

@@ -29,8 +29,8 @@ std::vector<Ray> sample_of(std::span<const Ray> rays, size_t most);
 /// What a sample's rays did at one density.
 struct CountedSize {
     double density = 0.0;
-    double cells = 0.0;                ///< a ray, both levels
-    double tests = 0.0;                ///< a ray
+    double cells = 0.0;                  ///< a ray, both levels
+    double tests = 0.0;                  ///< a ray
     std::vector<double> object_cells{};  ///< by object, a ray of the whole sample; empty for one
     std::vector<double> object_tests{};
     std::vector<size_t> object_rays{};  ///< rays that walked in the object's grids
@@ -50,7 +50,9 @@ inline constexpr size_t kLeastRaysOfObject = 64;
 /// least (or the grids would exceed kMostSearchedCells, or the strategy refuses).
 inline constexpr double kRisenEnough = 0.25;
 
-/// Chooses each object's density and, where there are several instances, the top level's.
+/// Chooses each object's density. The top level keeps the strategy's own, or that of `params`:
+/// what a coarse one costs is rays taken into instances that they miss, and the costs are of cells
+/// and tests alone (on palace, by cells and tests, the slowest of three top densities is the best).
 ///
 /// Of several sizes, the coarsest within kWorthwhile of the least predicted time.
 /// `counter`: makes tracers that count, and walk if the scene has several objects.

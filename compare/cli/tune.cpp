@@ -340,7 +340,11 @@ struct TuneRun {
         const bool able =
             tuning && tuning->model && counter != nullptr && court->open.scene->objects.size() > 1;
         if (!able) return std::nullopt;
-        GridSize own = choose_sizes(*counter, court->open.scene, strategy.params,
+        ParamValues params = strategy.params;
+        if (has_param(strategy.entry->info, kTopDensityParam)) {
+            params[kTopDensityParam] = fmt::format("{}", seen[tuning->best].top_density);
+        }
+        GridSize own = choose_sizes(*counter, court->open.scene, params,
                                     sample_of(subject->rays.rays, kSampleRays), *tuning->model)
                            .size;
         own.chosen = kPerObjectSize;

@@ -147,10 +147,10 @@ std::string sweep_block(const Sweep& sweep, size_t index) {
     for (const auto& [kind, title] : kPlots) {
         html += fmt::format(
             "<figure class=\"chart small\"><figcaption><strong>{}</strong></figcaption>"
-            "<div class=\"plot\" data-chart=\"sweep\" data-sweep=\"{}\" data-measure=\"{}\">"
+            "<div class=\"plot{}\" data-chart=\"sweep\" data-sweep=\"{}\" data-measure=\"{}\">"
             "<canvas role=\"img\" aria-label=\"{} against density; the table below holds the same "
             "figures.\"></canvas></div></figure>\n",
-            title, index, kind, title);
+            title, kind == std::string_view("time") ? " growth" : "", index, kind, title);
     }
     return html + "</div>\n" + point_table(sweep, tuning ? &*tuning : nullptr);
 }

@@ -36,9 +36,6 @@ CatalogueEntry counting(std::vector<Work> objects, double refused_from = 1e9) {
         auto tracer = std::make_unique<FakeTracer>("grid/x/twin32");
         tracer->abilities.counters = tracer->abilities.walks = true;
         tracer->cost = {};
-        // The top level: best at 4 times the strategy's own.
-        const double top = std::stod(params.at("top_density"));
-        tracer->cost.cells = static_cast<uint32_t>(100.0 * std::abs(std::log2(top / 4.0)));
         RayWalk way;
         for (uint32_t k = 0; k < objects.size(); ++k) {
             const uint32_t cells = objects[k].cells_at(density);
@@ -72,7 +69,6 @@ TEST(AutoSizing, takes_the_density_of_the_least_predicted_time) {
     EXPECT_EQ(chosen.size.object_density, 8.0) << "16 l + 1024 / l is least at 8";
     EXPECT_EQ(chosen.size.sizes, "");
     EXPECT_EQ(chosen.size.chosen, kAutoSize);
-    EXPECT_EQ(chosen.size.top_density, 1.0) << "one instance: the strategy's own";
 }
 
 TEST(AutoSizing, follows_the_costs) {
@@ -87,7 +83,7 @@ TEST(AutoSizing, gives_a_dense_and_a_coarse_object_a_density_of_their_own) {
         choose_sizes(counting({{.tests = 16.0 * 256.0}, {.tests = 16.0 * 4.0}}), scene_of(2), {},
                      kSample, kEqualCosts);
     EXPECT_EQ(chosen.size.sizes, "16,2");
-    EXPECT_EQ(chosen.size.top_density, 4.0) << "of two instances, with the objects as chosen";
+    EXPECT_EQ(chosen.size.top_density, 1.0) << "the strategy's own";
 }
 
 TEST(AutoSizing, leaves_objects_that_few_rays_met_at_the_density_of_the_scene) {

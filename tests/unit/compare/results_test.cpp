@@ -43,6 +43,7 @@ Results full_results() {
     results.tracers = {{"bunny",
                         "paper/x/y",
                         {{"density", "5"}},
+                        "auto",
                         "GPU",
                         true,
                         true,
@@ -249,6 +250,7 @@ TEST(ResultsJson, reads_back_what_was_written) {
     EXPECT_FALSE(again.manifest.complete);
     EXPECT_EQ(again.scenes[0].notes, results.scenes[0].notes);
     EXPECT_EQ(again.tracers[0].params, results.tracers[0].params);
+    EXPECT_EQ(again.tracers[0].sizing, "auto");
     EXPECT_EQ(again.tracers[0].stats[0].value, 1.25);
     const CheckRecord& check = again.checks[0];
     EXPECT_EQ(check.allowed, results.checks[0].allowed);

@@ -353,6 +353,8 @@ TEST(NextDensities, takes_a_refused_size_for_the_slowest) {
     const double refused = std::numeric_limits<double>::quiet_NaN();
     const std::vector<TriedDensity> tried = {{2, 6}, {8, 5}, {32, refused}};
     EXPECT_EQ(next_densities(tried, DensitySearch{}), (std::vector<double>{4.0, 16.0}));
+    const std::vector<TriedDensity> refused_first = {{2, refused}, {8, 5}, {32, 7}};
+    EXPECT_EQ(next_densities(refused_first, DensitySearch{}), (std::vector<double>{4.0, 16.0}));
     const std::vector<TriedDensity> none = {{2, refused}, {8, refused}};
     EXPECT_TRUE(next_densities(none, DensitySearch{}).empty());
 }

@@ -156,6 +156,7 @@ TEST(Tuning, brings_points_of_other_rounds_to_one_pace) {
     // While the last was measured, the machine was three times slower, for the oracle as well.
     for (double& ms : points.back().wall_ms) ms *= 3.0;
     for (double& ms : points.back().oracle_wall_ms) ms *= 3.0;
+    points.back().chosen = kAutoSize;
     EXPECT_NEAR(comparable_ns(points).back(), calm.back(), kRounding * calm.back());
     EXPECT_TRUE(std::isnan(tuning_of(points)->automatic_regret.low));
     // By the device's timer, the CPU's pace says nothing.
