@@ -125,12 +125,26 @@ void fields(A& a, ImageRecord& i) {
 }
 
 template <class A>
+void fields(A& a, CastCounts& c) {
+    a("cells", c.cells), a("tests", c.tests), a("references", c.references);
+    a("walked_rays", c.walked_rays), a("walked_tests", c.walked_tests);
+    a("repeated_tests", c.repeated_tests);
+}
+
+template <class A>
 void fields(A& a, TimingRecord& t) {
     a("scene", t.scene), a("rays", t.rays), a("ray_count", t.ray_count), a("tracer", t.tracer);
     a("oracle", t.oracle), a("wall_ms", t.wall_ms), a("device_ms", t.device_ms);
     a("oracle_wall_ms", t.oracle_wall_ms), a("median_ms", t.median_ms);
     a("mrays_per_s", t.mrays_per_s), a("ratio", t.ratio), a("ratio_low", t.ratio_low);
     a("ratio_high", t.ratio_high), a("errors", t.errors), a("edges", t.edges);
+    a("again_wall_ms", t.again_wall_ms), a("again_device_ms", t.again_device_ms);
+    a("counts", t.counts);
+}
+
+template <class A>
+void fields(A& a, BuildRecord& b) {
+    a("scene", b.scene), a("tracer", b.tracer), a("build_ms", b.build_ms);
 }
 
 template <class A>
@@ -246,7 +260,7 @@ void fields(A& a, Results& r) {
     a("frame_timings", r.frame_timings), a("claims", r.claims), a("sweeps", r.sweeps);
     a("ladders", r.ladders), a("tradeoffs", r.tradeoffs), a("paces", r.paces);
     a("growth_builds", r.growth_builds), a("growth_traces", r.growth_traces);
-    a("ablations", r.ablations);
+    a("ablations", r.ablations), a("builds", r.builds);
 }
 
 // Enumerations are written as their names.
@@ -516,10 +530,16 @@ void upgrade(json& document) {
     }
 }
 
-/// Lists that version 3 gained after its first files: those have none of them.
+/// What version 3 gained after its first files: those have none of it.
 void add_later_lists(json& document) {
-    for (const char* list : {"paces", "growth_builds", "growth_traces", "ablations"}) {
+    for (const char* list : {"paces", "growth_builds", "growth_traces", "ablations", "builds"}) {
         if (!document.contains(list)) document[list] = json::array();
+    }
+    if (!document.contains("timings")) return;
+    for (json& timing : document["timings"]) {
+        if (!timing.is_object() || timing.contains("counts")) continue;
+        timing["again_wall_ms"] = timing["again_device_ms"] = json::array();
+        timing["counts"] = nullptr;
     }
 }
 

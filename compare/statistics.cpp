@@ -50,6 +50,22 @@ RatioInterval ratio_of_medians(std::span<const double> numerator,
             quantile(ratios, 0.975)};
 }
 
+RatioInterval median_of_ratios(std::span<const double> numerator,
+                               std::span<const double> denominator, uint64_t seed) {
+    ONEPASS_CHECK_EQ(numerator.size(), denominator.size());
+    const size_t rounds = numerator.size();
+    if (rounds == 0) return {kNoValue, kNoValue, kNoValue};
+
+    std::vector<double> of_rounds(rounds), drawn(rounds), medians(kBootstrapResamples);
+    for (size_t i = 0; i < rounds; ++i) of_rounds[i] = numerator[i] / denominator[i];
+    Random random(seed);
+    for (double& middle : medians) {
+        for (double& ratio : drawn) ratio = of_rounds[random.below(rounds)];
+        middle = median(drawn);
+    }
+    return {median(of_rounds), quantile(medians, 0.025), quantile(medians, 0.975)};
+}
+
 PowerLaw fit_power(std::span<const double> x, std::span<const double> y) {
     ONEPASS_CHECK_EQ(x.size(), y.size());
     std::vector<double> log_x, log_y;

@@ -37,6 +37,8 @@ struct TimingOptions {
     /// oracle takes part in every round.
     double enough_ms = std::numeric_limits<double>::infinity();
     Steadiness steadiness{};  ///< asked of tracers with a device timer
+    /// This tracer takes part a second time, as a rival identical to it: TimingRecord::again_*.
+    std::optional<size_t> rival_of{};
 };
 
 /// Throws: Error for fewer than kLeastRepetitions.
@@ -57,6 +59,7 @@ struct WarmUp {
 /// tracer, so that neither clock nor caches remember how long the CPU's tracers took before it.
 /// `warmed` is called once, between the warm-up and the first counted cast.
 /// Records come in the order of `tracers`; the ratio is to `tracers[oracle]`, paired by round.
+/// The rival of `options.rival_of` takes its turn like any other, with a batch of its own.
 /// Names of scene and errors are the caller's. Stopped early, the records hold the whole rounds so
 /// far. Throws: Error for fewer than kLeastRepetitions; what the tracers' upload throws.
 std::vector<TimingRecord> time_casts(std::span<Tracer* const> tracers, size_t oracle,
