@@ -20,13 +20,13 @@ double median(std::span<const double> samples) { return quantile(samples, 0.5); 
 
 double quantile(std::span<const double> samples, double share) {
     if (samples.empty()) return kNoValue;
-    std::vector<double> sorted(samples.begin(), samples.end());
-    std::sort(sorted.begin(), sorted.end());
-    const double place = share * static_cast<double>(sorted.size() - 1);
-    const size_t below = static_cast<size_t>(place);
-    const size_t above = std::min(below + 1, sorted.size() - 1);
-    const double weight = place - static_cast<double>(below);
-    return sorted[below] * (1.0 - weight) + sorted[above] * weight;
+    std::vector<double> values(samples.begin(), samples.end());
+    const double place = share * static_cast<double>(values.size() - 1);
+    const auto below = values.begin() + static_cast<ptrdiff_t>(place);
+    const double weight = place - std::floor(place);
+    std::nth_element(values.begin(), below, values.end());
+    const auto above = std::min_element(below + 1, values.end());  // all there are not below it
+    return *below * (1.0 - weight) + (above == values.end() ? *below : *above) * weight;
 }
 
 RatioInterval ratio_of_medians(std::span<const double> numerator,

@@ -105,11 +105,11 @@ std::vector<TimingRecord> time_casts(std::span<Tracer* const> tracers, size_t or
                                      const std::function<void(const WarmUp&)>& warmed) {
     check_repetitions(options);
     ONEPASS_CHECK_LT(oracle, tracers.size());
-    if (options.rival_of) ONEPASS_CHECK_LT(*options.rival_of, tracers.size());
+    if (options.rival) ONEPASS_CHECK_LT(options.rival->of, tracers.size());
 
     // Upload, once. A rival comes last.
     std::vector<Tracer*> taking_part(tracers.begin(), tracers.end());
-    if (options.rival_of) taking_part.push_back(tracers[*options.rival_of]);
+    if (options.rival) taking_part.push_back(options.rival->tracer);
     std::vector<Contestant> contestants;
     for (Tracer* tracer : taking_part) {
         contestants.push_back({.tracer = tracer,
@@ -157,8 +157,8 @@ std::vector<TimingRecord> time_casts(std::span<Tracer* const> tracers, size_t or
         record.oracle_wall_ms.resize(record.wall_ms.size());  // who leaves early was there before
         summarise(record, options.seed);
     }
-    if (options.rival_of) {
-        TimingRecord& record = records[*options.rival_of];
+    if (options.rival) {
+        TimingRecord& record = records[options.rival->of];
         record.again_wall_ms = std::move(contestants.back().wall_ms);
         record.again_device_ms = std::move(contestants.back().device_ms);
     }

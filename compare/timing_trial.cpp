@@ -84,13 +84,14 @@ TimingTrial try_timing(const CatalogueEntry& entry, const ScenePtr& scene,
                        const ParamValues& params, const RaySet& rays,
                        const TimingTrialOptions& options, const Progress& progress) {
     const std::unique_ptr<Tracer> strategy = entry.make(scene, params);
+    const std::unique_ptr<Tracer> rival = entry.make(scene, params);
     const std::unique_ptr<Tracer> equal = entry.make(scene, params);
     const std::unique_ptr<Tracer> slower = slowed(entry.make(scene, params));
     Tracer* const contestants[] = {strategy.get(), equal.get(), slower.get()};
 
     TimingTrial trial;
     TimingOptions timing = options.timing;
-    timing.rival_of = 0;
+    timing.rival = Rival{0, rival.get()};
     for (uint32_t i = 0; i < options.comparisons; ++i) {
         timing.seed = options.timing.seed + i;
         const Progress part = [&](double done) {
@@ -99,8 +100,9 @@ TimingTrial try_timing(const CatalogueEntry& entry, const ScenePtr& scene,
         const std::vector<TimingRecord> records = time_casts(contestants, 0, rays, timing, part);
         if (records.front().wall_ms.size() < timing.repetitions) break;
 
-        const TimingRecord* const rival[] = {&records[0]};
-        const double noise = noise_of_case(rival, !records.front().device_ms.empty(), timing.seed);
+        const TimingRecord* const with_rival[] = {&records[0]};
+        const double noise =
+            noise_of_case(with_rival, !records.front().device_ms.empty(), timing.seed);
         const SpeedComparison of_equal = compare_speeds(records[1], records[0], noise, timing.seed);
         const SpeedComparison of_slow = compare_speeds(records[2], records[0], noise, timing.seed);
         ++tally(trial.of_equals, of_equal.verdict);

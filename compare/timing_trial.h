@@ -44,8 +44,8 @@ inline constexpr double kMostCalledDifferent = 0.10;
 inline constexpr double kLeastFoundSlower = 0.90;
 bool passed(const TimingTrial& trial);
 
-/// Each comparison times four contestants anew, warm-up included: the strategy with its rival, an
-/// equal that was built apart, and a slowed one that was built apart. The verdicts are those of
+/// Each comparison times four contestants anew, warm-up included: the strategy, its rival,
+/// an equal and a slowed one, all built apart. The verdicts are those of
 /// `onepass bench`: equal and slowed against the strategy, by compare_speeds.
 TimingTrial try_timing(const CatalogueEntry& entry, const ScenePtr& scene,
                        const ParamValues& params, const RaySet& rays,

@@ -8,11 +8,11 @@
 // rounds' ratios the median is taken, with its 95 % percentile bootstrap interval over rounds
 // (median_of_ratios): that is what chance can do, at 5 % of all comparisons of equals. What it
 // cannot tell is whether equals look equal on this machine at all: memory that lies elsewhere, or a
-// neighbour that disturbs one place in the round. Therefore one strategy is cast a second time in
-// each round, as an identical rival (A/A). The noise is how far the interval of that pair reaches
-// from 1. Faster or slower is said only if the interval, widened on both sides by the noise, leaves
-// 1 out. The price is that a difference has to be about twice the interval's half width to be
-// found: more rounds narrow both.
+// neighbour that disturbs one place in the round. Therefore one strategy meets, in every
+// round, a rival identical to it (A/A; timing.h). The noise is how far the interval of that pair
+// reaches from 1. Faster or slower is said only if the interval, widened on both sides by the
+// noise, leaves 1 out. The price is that a difference has to be about twice the interval's half
+// width to be found: more rounds narrow both.
 //
 // The error rate aimed at is that of the interval, 5 %, and the widening keeps the true one below
 // it. compare/timing_trial.h puts both halves, equals and a strategy slowed on purpose, to the

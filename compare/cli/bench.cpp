@@ -128,13 +128,19 @@ void bench_scene(Session& session, const BenchCommand& options, const std::strin
         results.tracers.push_back(make_tracer_record(name, *tracers.back(), entry->info, params));
     }
 
+    const size_t baseline = baseline_among(selected, session, options);
+    const std::unique_ptr<Tracer> rival =
+        selected[baseline].entry->make(court.open.scene, selected[baseline].params);
+    TimingOptions timing = options.timing;
+    timing.rival = Rival{baseline, rival.get()};
+
     const double kinds = static_cast<double>(options.rays.kinds.size());
     for (size_t k = 0; k < options.rays.kinds.size(); ++k) {
         const double begin = static_cast<double>(k) / kinds;
         const Progress part = [&](double done) { return go_on(progress, begin + done / kinds); };
         if (!part(0.0)) return;
         const Case subject = open_case(court, options.rays.kinds[k], request);
-        bench_case(session, court, subject, tracers, options.timing, part, results);
+        bench_case(session, court, subject, tracers, timing, part, results);
     }
 }
 
@@ -144,7 +150,6 @@ void run(Session& session, BenchCommand& options) {
     options.timing.seed = session.globals.seed;
     options.timing.enough_ms = 1e3 * options.enough_s;
     const std::vector<SelectedStrategy> selected = contestants(session, options);
-    options.timing.rival_of = baseline_among(selected, session, options);
 
     Results results;
     {
