@@ -201,8 +201,8 @@ void add_bench(CLI::App& app, Session& session) {
         ->add_flag("--self-test", options->self_test,
                    fmt::format("Puts the timing itself on trial with the first of -s: how often "
                                "equals are called different, and the strategy slowed by a "
-                               "twentieth is found; unless given, size {}, {} rounds",
-                               kSelfTestSize, kSelfTestRounds))
+                               "twentieth is found; unless given, {}, size {}, {} rounds",
+                               kSelfTestStrategy, kSelfTestSize, kSelfTestRounds))
         ->excludes("--settings")
         ->excludes("--ablate");
     command->add_option("--comparisons", options->comparisons, "Of --self-test")
@@ -251,6 +251,9 @@ void add_bench(CLI::App& app, Session& session) {
         if (options->self_test) {
             if (command->count("--rays") == 0) options->rays.kinds = {"primary"};
             if (command->count("--size") == 0) options->rays.size = kSelfTestSize;
+            if (options->strategy.patterns.empty()) {
+                options->strategy.patterns = {kSelfTestStrategy};
+            }
             if (command->count("--repetitions") == 0) {
                 options->timing.repetitions = kSelfTestRounds;
             }

@@ -27,8 +27,8 @@ TEST(SpeedVerdict, needs_an_interval_that_leaves_1_out_by_more_than_the_noise) {
 }
 
 TEST(NoiseOf, is_how_far_equals_reach_from_1_on_either_side) {
-    EXPECT_DOUBLE_EQ(noise_of({1.0, 0.97, 1.01}), 0.03);
-    EXPECT_DOUBLE_EQ(noise_of({1.0, 0.99, 1.02}), 0.02);
+    EXPECT_DOUBLE_EQ(noise_of({1.0, 0.875, 1.0625}), 0.125);
+    EXPECT_DOUBLE_EQ(noise_of({1.0, 0.9375, 1.25}), 0.25);
     EXPECT_TRUE(std::isnan(noise_of({kNan, kNan, kNan})));
 }
 
