@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "compare/verdict.h"
 #include "core/error.h"
 
 namespace onepass {
@@ -385,8 +386,7 @@ ClaimVerdict verdict_of(const ClaimMeasurement& m) {
     if (m.baseline_samples.empty() || m.variant_samples.empty() || std::isnan(m.ratio)) {
         return ClaimVerdict::not_measured;
     }
-    const double low = m.ratio_low / (1.0 + m.noise);
-    const double high = m.ratio_high * (1.0 + m.noise);
+    const auto [ratio, low, high] = widened({m.ratio, m.ratio_low, m.ratio_high}, m.noise);
     switch (m.expectation) {
         case Expectation::above:
             if (low > m.bound) return ClaimVerdict::holds;

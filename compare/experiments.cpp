@@ -13,6 +13,7 @@
 #include "compare/manifest.h"
 #include "compare/rays.h"
 #include "compare/statistics.h"
+#include "compare/verdict.h"
 #include "core/error.h"
 #include "core/random.h"
 
@@ -405,8 +406,7 @@ class ExperimentRun {
             const uint64_t seed = workshop_.timing.seed;
             const RatioInterval r = ratio_of_medians(m.variant_samples, m.baseline_samples, seed);
             m.ratio = r.ratio, m.ratio_low = r.low, m.ratio_high = r.high;
-            const RatioInterval again = ratio_of_medians(m.again_samples, m.baseline_samples, seed);
-            m.noise = std::max(std::abs(again.low - 1.0), std::abs(again.high - 1.0));
+            m.noise = noise_of(ratio_of_medians(m.again_samples, m.baseline_samples, seed));
         }
         m.verdict = verdict_of(m);
     }

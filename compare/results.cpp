@@ -126,12 +126,26 @@ void fields(A& a, ImageRecord& i) {
 }
 
 template <class A>
+void fields(A& a, CastCounts& c) {
+    a("cells", c.cells), a("tests", c.tests), a("references", c.references);
+    a("walked_rays", c.walked_rays), a("walked_tests", c.walked_tests);
+    a("repeated_tests", c.repeated_tests);
+}
+
+template <class A>
 void fields(A& a, TimingRecord& t) {
     a("scene", t.scene), a("rays", t.rays), a("ray_count", t.ray_count), a("tracer", t.tracer);
     a("oracle", t.oracle), a("wall_ms", t.wall_ms), a("device_ms", t.device_ms);
     a("oracle_wall_ms", t.oracle_wall_ms), a("median_ms", t.median_ms);
     a("mrays_per_s", t.mrays_per_s), a("ratio", t.ratio), a("ratio_low", t.ratio_low);
     a("ratio_high", t.ratio_high), a("errors", t.errors), a("edges", t.edges);
+    a("again_wall_ms", t.again_wall_ms), a("again_device_ms", t.again_device_ms);
+    a("counts", t.counts);
+}
+
+template <class A>
+void fields(A& a, BuildRecord& b) {
+    a("scene", b.scene), a("tracer", b.tracer), a("build_ms", b.build_ms);
 }
 
 template <class A>
@@ -549,7 +563,8 @@ void upgrade(json& document) {
 
 /// What version 3 gained after its first files: those have none of it.
 void add_later_fields(json& document) {
-    for (const char* list : {"paces", "growth_builds", "growth_traces", "ablations", "refusals"}) {
+    for (const char* list :
+         {"paces", "growth_builds", "growth_traces", "ablations", "refusals", "builds"}) {
         if (!document.contains(list)) document[list] = json::array();
     }
     if (!document.contains("study")) document["study"] = nullptr;
@@ -564,6 +579,10 @@ void add_later_record_fields(json& document) {
         }
     };
     add("tracers", "sizing", "");
+    for (const char* field : {"again_wall_ms", "again_device_ms"}) {
+        add("timings", field, json::array());
+    }
+    add("timings", "counts", nullptr);
     for (const char* field : {"resolution", "sizes", "chosen"}) add("sweeps", field, "");
     add("sweeps", "ray_count", 0u);
     for (const char* field : {"device_ms", "oracle_wall_ms"}) add("sweeps", field, json::array());

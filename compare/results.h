@@ -134,6 +134,18 @@ struct ImageRecord {
     std::vector<std::pair<std::string, std::string>> pictures;
 };
 
+/// What one cast of a ray set did, counted in a pass of its own: no timed cast counts.
+struct CastCounts {
+    uint64_t cells = 0;       ///< visited by all rays, as RayCounters
+    uint64_t tests = 0;       ///< ray-triangle tests
+    uint64_t references = 0;  ///< list entries read
+    /// Of this many of the rays, evenly spread, it is known which triangles they tested; 0 where a
+    /// tracer does not tell its way (Capabilities::walks).
+    uint64_t walked_rays = 0;
+    uint64_t walked_tests = 0;    ///< of these rays
+    uint64_t repeated_tests = 0;  ///< of these tests, those of a triangle that the ray had tested
+};
+
 /// One tracer's timed casts of one ray set. Samples are in run order.
 struct TimingRecord {
     std::string scene;
@@ -151,6 +163,19 @@ struct TimingRecord {
     double ratio_high = 0.0;
     uint64_t errors = 0;  ///< CheckRecord::errors() on the same rays, this run
     uint64_t edges = 0;   ///< its `edge` count
+    /// Of a second cast in each round, where this tracer had an identical rival
+    /// (compare/verdict.h); else empty.
+    std::vector<double> again_wall_ms{};
+    std::vector<double> again_device_ms{};
+    std::optional<CastCounts> counts{};  ///< absent where the tracer does not count
+};
+
+/// How long a tracer takes before its first ray, build by build: structure and packing. Neither the
+/// compiling of shaders nor the way to the device is in it.
+struct BuildRecord {
+    std::string scene;
+    std::string tracer;
+    std::vector<double> build_ms;
 };
 
 /// Rendered frames, timed: all rays of an image, as the paper's frame rates count.
@@ -446,6 +471,7 @@ struct Results {
     std::vector<GrowthTrace> growth_traces;
     std::vector<AblationRecord> ablations;
     std::vector<RefusalRecord> refusals;
+    std::vector<BuildRecord> builds;
     std::optional<StudyRecord> study;  ///< absent where the run is not made of points
 };
 
@@ -459,7 +485,7 @@ void for_each_list(Visit&& visit) {
     visit("ladders", &Results::ladders), visit("tradeoffs", &Results::tradeoffs);
     visit("paces", &Results::paces), visit("growth_builds", &Results::growth_builds);
     visit("growth_traces", &Results::growth_traces), visit("ablations", &Results::ablations);
-    visit("refusals", &Results::refusals);
+    visit("refusals", &Results::refusals), visit("builds", &Results::builds);
 }
 
 /// JSON text of a run. Infinities are the strings "inf" and "-inf", NaN is null; all else reads

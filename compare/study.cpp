@@ -41,6 +41,9 @@ std::string identity(const SceneRecord& scene) { return scene.name; }
 std::string identity(const TracerRecord& tracer) {
     return fmt::format("{}\n{}\n{}", tracer.scene, tracer.name, fmt::join(tracer.params, "\n"));
 }
+std::string identity(const BuildRecord& build) {
+    return fmt::format("{}\n{}", build.scene, build.tracer);
+}
 std::string identity(const RefusalRecord& refusal) {
     return fmt::format("{}\n{}\n{}", refusal.scene, refusal.tracer, refusal.reason);
 }

@@ -30,10 +30,10 @@ bool takes(const Shard& shard, size_t point);
 /// does it and where it goes.
 std::vector<std::string> request_of(const std::vector<std::string>& arguments);
 
-/// The points' records in the order of `keys`; what points share (their scene, its tracers, and
-/// refusals) stands once, as the first of them has it. `study` says whose each record is. The
-/// manifest is the caller's, but for the judge.
-/// Throws: Error if two points have different scenes of one name.
+/// The points' records in the order of `keys`; what points share (their scene, its tracers,
+/// their builds, and refusals) stands once, as the first of them has it. `study` says whose each
+/// record is. The manifest is the caller's, but for the judge. Throws: Error if two points have
+/// different scenes of one name.
 Results join_points(const std::vector<std::string>& keys,
                     const std::map<std::string, Results>& points);
 

@@ -14,6 +14,7 @@ void add_check(CLI::App& app, Session& session);
 void add_explain(CLI::App& app, Session& session);
 void add_bench(CLI::App& app, Session& session);
 void add_tune(CLI::App& app, Session& session);
+void add_compare(CLI::App& app, Session& session);
 void add_grow(CLI::App& app, Session& session);
 void add_stress(CLI::App& app, Session& session);
 void add_reproduce(CLI::App& app, Session& session);

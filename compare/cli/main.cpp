@@ -56,6 +56,7 @@ int run(int argc, char** argv) {
     add_explain(app, session);
     add_bench(app, session);
     add_tune(app, session);
+    add_compare(app, session);
     add_grow(app, session);
     add_stress(app, session);
     add_reproduce(app, session);

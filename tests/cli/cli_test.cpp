@@ -56,8 +56,9 @@ TEST(Help, lists_every_command) {
     const TemporaryFolder folder;
     const Outcome outcome = onepass_in(folder, {"--help"});
     EXPECT_EQ(outcome.exit_code, 0);
-    for (const char* command : {"doctor", "list", "render", "check", "explain", "bench", "tune",
-                                "stress", "reproduce", "merge", "report", "shader", "scenes"}) {
+    for (const char* command :
+         {"doctor", "list", "render", "check", "explain", "bench", "compare", "tune", "stress",
+          "reproduce", "merge", "report", "shader", "scenes"}) {
         EXPECT_NE(outcome.out.find(std::string("\n  ") + command), std::string::npos) << command;
     }
     EXPECT_NE(outcome.out.find("Exit codes"), std::string::npos);

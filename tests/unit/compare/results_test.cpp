@@ -114,7 +114,11 @@ Results full_results() {
                         1.5,
                         2.25,
                         7,
-                        8}};
+                        8,
+                        {1.75},
+                        {0.75},
+                        CastCounts{1, 2, 3, 4, 5, 6}}};
+    results.builds = {{"bunny", "paper/x/y", {0.5, 0.25}}};
     FrameTimingRecord frames;
     frames.scene = "bunny";
     frames.tracer = "streaming/x/y";
@@ -288,22 +292,31 @@ TEST(ResultsJson, reads_back_what_was_written) {
     ASSERT_TRUE(again.study);
     EXPECT_EQ(again.study->shard, (Shard{2, 4}));
     EXPECT_EQ(again.study->points[0].records[0].rows, std::vector<uint32_t>{0});
+    EXPECT_EQ(again.timings[0].again_device_ms, (std::vector<double>{0.75}));
+    EXPECT_EQ(again.timings[0].counts->repeated_tests, 6u);
+    EXPECT_EQ(again.builds[0].build_ms, (std::vector<double>{0.5, 0.25}));
 }
 
 TEST(ResultsJson, reads_files_that_are_older_than_its_last_lists) {
     auto document = nlohmann::json::parse(to_json(full_results()));
-    for (const char* name : {"paces", "growth_builds", "growth_traces", "refusals", "study"}) {
+    for (const char* name :
+         {"paces", "growth_builds", "growth_traces", "refusals", "builds", "study"}) {
         document.erase(name);
+    }
+    for (const char* field : {"again_wall_ms", "again_device_ms", "counts"}) {
+        document["timings"][0].erase(field);
     }
     const Results old = results_from_json(document.dump(), "old.json");
     EXPECT_FALSE(old.study);
     EXPECT_TRUE(old.paces.empty());
     EXPECT_EQ(old.sweeps.size(), 1u);
+    EXPECT_TRUE(old.timings.at(0).again_wall_ms.empty());
+    EXPECT_FALSE(old.timings[0].counts);
 }
 
 TEST(ResultsJson, holds_every_member_of_every_record) {
     const auto document = nlohmann::json::parse(to_json(full_results()));
-    EXPECT_EQ(document.size(), 18u) << "the version and the members of Results";
+    EXPECT_EQ(document.size(), 19u) << "the version and the members of Results";
     EXPECT_EQ(document["manifest"].size(), 17u);
     EXPECT_EQ(document["scenes"][0].size(), 7u);
     EXPECT_EQ(document["tracers"][0].size(), 12u);
@@ -317,7 +330,9 @@ TEST(ResultsJson, holds_every_member_of_every_record) {
     EXPECT_EQ(document["ablations"][0].size(), 14u);
     EXPECT_EQ(document["claims"][0]["measurements"][0].size(), 21u);
     EXPECT_EQ(document["images"][0].size(), 18u);
-    EXPECT_EQ(document["timings"][0].size(), 15u);
+    EXPECT_EQ(document["timings"][0].size(), 18u);
+    EXPECT_EQ(document["timings"][0]["counts"].size(), 6u);
+    EXPECT_EQ(document["builds"][0].size(), 3u);
     EXPECT_EQ(document["sweeps"][0].size(), 23u);
     EXPECT_EQ(document["paces"][0].size(), 10u);
     EXPECT_EQ(document["paces"][0]["before"].size(), 3u);

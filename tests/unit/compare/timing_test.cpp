@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "compare/cast_counts.h"
 #include "compare/sweep.h"
+#include "compare/timing_trial.h"
 #include "core/error.h"
 #include "tests/support/fake_tracer.h"
 
@@ -77,6 +79,107 @@ TEST(TimeCasts, gives_speed_relative_to_the_oracle_and_rates) {
     EXPECT_EQ(records[2].ratio_low, 0.5);
     EXPECT_EQ(records[2].ratio_high, 0.5);
     EXPECT_EQ(records[0].mrays_per_s, 0.5) << "1000 rays in 2 ms";
+}
+
+TEST(TimeCasts, lets_a_rival_take_turns_and_keeps_its_samples_apart) {
+    ThreeTracers tracers;
+    FakeTracer rival("r");
+    rival.log = &tracers.log;
+    rival.cast_ms = 1.5;
+    TimingOptions options = quick();
+    options.rival = Rival{1, &rival};
+    const auto records = time_casts(tracers.all, 0, some_rays(1), options);
+    ASSERT_EQ(records.size(), 3u) << "the rival has no record of its own";
+    EXPECT_EQ(records[1].again_wall_ms, std::vector<double>(9, 1.5));
+    EXPECT_EQ(records[1].wall_ms, std::vector<double>(9, 1.0));
+    EXPECT_TRUE(records[0].again_wall_ms.empty());
+    EXPECT_EQ(std::count(tracers.log.begin(), tracers.log.end(), "r"), 2 + 9);
+    EXPECT_EQ(tracers.log.size(), 4u * (2u + 9u));
+}
+
+TEST(CountCast, adds_up_all_rays_and_looks_for_repeated_tests_where_ways_are_told) {
+    FakeTracer tracer("counting");
+    EXPECT_FALSE(count_cast(tracer, some_rays(10))) << "it does not count";
+    tracer.abilities.counters = true;
+    const auto counts = count_cast(tracer, some_rays(10));
+    ASSERT_TRUE(counts);
+    EXPECT_EQ(counts->cells, 30u);
+    EXPECT_EQ(counts->tests, 20u);
+    EXPECT_EQ(counts->references, 40u);
+    EXPECT_EQ(counts->walked_rays, 0u);
+
+    tracer.abilities.walks = true;
+    // Triangle 7 of instance 0 in two cells; of instance 1 it is another triangle.
+    tracer.way =
+        RayWalk{{{0, ivec3(0), {{7}, {8}}}, {0, ivec3(1), {{7}}}, {1, ivec3(0), {{7}}}}, {}};
+    const auto walked = count_cast(tracer, some_rays(10));
+    EXPECT_EQ(walked->walked_rays, 10u);
+    EXPECT_EQ(walked->walked_tests, 40u);
+    EXPECT_EQ(walked->repeated_tests, 10u);
+}
+
+// The timing on trial.
+
+TEST(Slowed, casts_a_twentieth_of_the_rays_twice_and_answers_each_once) {
+    auto inner = std::make_unique<FakeTracer>("fake");
+    FakeTracer& fake = *inner;
+    size_t casts = 0;
+    fake.answer = [&](const Ray& ray) {
+        ++casts;
+        return Hit{ray.tmax, 0.0f, 0.0f, 0, 0};
+    };
+    const auto tracer = slowed(std::move(inner));
+    RaySet rays = some_rays(50);
+    for (size_t i = 0; i < 50; ++i) rays.rays[i].tmax = static_cast<float>(i);
+    const CastResult cast = tracer->cast(tracer->upload(rays.rays), {});
+    EXPECT_EQ(casts, 53u);
+    ASSERT_EQ(cast.hits.size(), 50u);
+    for (size_t i = 0; i < 50; ++i) EXPECT_EQ(cast.hits[i].t, static_cast<float>(i));
+}
+
+/// A strategy of which the n-th tracer made takes factor(n) ms a ray and cast.
+CatalogueEntry paced_strategy(std::function<double(int)> factor) {
+    CatalogueEntry entry;
+    entry.info.name = "paced";
+    entry.make = [factor, made = std::make_shared<int>(0)](ScenePtr, const ParamValues&) {
+        auto tracer = std::make_unique<FakeTracer>("paced");
+        FakeTracer* raw = tracer.get();
+        const double ms = factor((*made)++);
+        raw->cast_ms = 0.0;
+        raw->answer = [raw, ms](const Ray&) {
+            raw->cast_ms += ms;  // the time of a cast: read after its last ray
+            return Hit{};
+        };
+        return tracer;
+    };
+    return entry;
+}
+
+TEST(TryTiming, counts_verdicts_on_equals_and_on_the_slowed_one) {
+    // cast_ms adds up over casts, so every tracer's pace is the number of its casts so far: in a
+    // round all have as many, and the slowed one a twentieth more.
+    const TimingTrialOptions options{3, quick()};
+    const TimingTrial trial =
+        try_timing(paced_strategy([](int) { return 1.0; }), nullptr, {}, some_rays(200), options);
+    EXPECT_EQ(trial.comparisons, 3u);
+    EXPECT_EQ(trial.called_different(), 0u);
+    EXPECT_EQ(trial.found_slower(), 3u);
+    EXPECT_TRUE(passed(trial));
+    for (const double ratio : trial.slowed_ratio) EXPECT_NEAR(ratio, 1.0 / 1.05, 1e-9);
+}
+
+TEST(TryTiming, fails_a_timing_that_calls_equals_different_or_misses_the_slowed_one) {
+    // The equal (made third) is 3 % slow, and nothing in the rival tells that places differ.
+    const TimingTrialOptions options{3, quick()};
+    const TimingTrial fooled = try_timing(paced_strategy([](int n) { return n == 2 ? 1.03 : 1.0; }),
+                                          nullptr, {}, some_rays(200), options);
+    EXPECT_EQ(fooled.called_different(), 3u);
+    EXPECT_FALSE(passed(fooled));
+    // The rival (made second) says that equals differ by 10 %: then 5 % cannot be found.
+    const TimingTrial blind = try_timing(paced_strategy([](int n) { return n == 1 ? 1.1 : 1.0; }),
+                                         nullptr, {}, some_rays(200), options);
+    EXPECT_EQ(blind.found_slower(), 0u);
+    EXPECT_FALSE(passed(blind));
 }
 
 TEST(TimeCasts, warms_up_for_the_stated_time) {
