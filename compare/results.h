@@ -380,6 +380,18 @@ struct AblationRecord {
     std::string failure;  ///< why it could not be made; else empty
 };
 
+/// A bounded set of an image's pixels with every tracer's answer to each: what the page's inspector
+/// reads. The answers lie in a file of their own (compare/pixels.h).
+struct PixelSheetRecord {
+    std::string scene;
+    uint32_t width = 0;
+    uint32_t height = 0;
+    uint64_t pixels = 0;
+    uint64_t left_out = 0;  ///< pixels with an answer that is not `agree` for which was no room
+    std::string file;       ///< as ImageRecord::pictures
+    std::string digest;     ///< SHA-256 of that file
+};
+
 struct Results {
     static constexpr int kSchemaVersion = 3;
     Manifest manifest;
@@ -397,15 +409,29 @@ struct Results {
     std::vector<GrowthBuild> growth_builds;
     std::vector<GrowthTrace> growth_traces;
     std::vector<AblationRecord> ablations;
+    std::vector<PixelSheetRecord> pixel_sheets;
 };
 
-/// JSON text of a run. Infinities are the strings "inf" and "-inf", NaN is null; all else reads
-/// back as the very value that was written.
+/// JSON text of a run, closed by a digest of all the rest. Infinities are the strings "inf" and
+/// "-inf", NaN is null; all else reads back as the very value that was written.
 std::string to_json(const Results& results);
 
 /// Throws: Error naming the file and the field for text that is not a Results of this version: no
 /// JSON, another version, a field that is missing, unknown or of another type.
 Results results_from_json(const std::string& text, const std::string& file_name);
+
+/// The digest that a result file holds, and the one that its content has.
+///
+/// SHA-256 of all members but the digest itself, as JSON without blanks and with sorted keys: what
+/// a record means decides, not how the file is laid out, and a new record type is covered at once.
+struct Seal {
+    std::string stored;  ///< "" in a file from before there were digests
+    std::string derived;
+
+    bool intact() const { return stored == derived; }
+};
+/// Throws: Error for text that is no JSON object.
+Seal seal_of(const std::string& text, const std::string& file_name);
 
 /// Written whole or not at all: temporary file, then rename. "-" writes to standard output.
 void write_results(const Results& results, const std::filesystem::path& path);

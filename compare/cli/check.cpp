@@ -16,8 +16,10 @@
 #include "compare/cli/progress_bar.h"
 #include "compare/cli/table.h"
 #include "compare/frames.h"
+#include "compare/hash.h"
 #include "compare/images.h"
 #include "compare/manifest.h"
+#include "compare/pixels.h"
 #include "core/error.h"
 
 namespace onepass::cli {
@@ -156,6 +158,22 @@ std::string image_line(const ImageRecord& image) {
 
 // The work.
 
+/// What a tracer's image leaves for the sheet of pixels.
+struct ImageTrace {
+    Picture picture;
+    std::vector<RayCounters> counters;  ///< empty: it counts none
+};
+using ImageTraces = std::map<std::string, ImageTrace>;  ///< by tracer
+
+/// The chosen of a whole image's values; none of none.
+template <class T>
+std::vector<T> chosen_of(const std::vector<T>& values, std::span<const uint32_t> indices) {
+    std::vector<T> chosen;
+    if (values.empty()) return chosen;
+    for (const uint32_t index : indices) chosen.push_back(values[index]);
+    return chosen;
+}
+
 /// One run of the command: fills `results` and `pictures`.
 struct CheckRun {
     Session& session;
@@ -201,7 +219,8 @@ struct CheckRun {
     /// Judges all answers to one case, the first of them those of the selected strategies
     /// `taking_part`.
     void check_hits(const Court& court, const Case& subject, std::span<const CastResult> answers,
-                    std::span<const std::string> tracers, std::span<const size_t> taking_part) {
+                    std::span<const std::string> tracers, std::span<const size_t> taking_part,
+                    const ImageTraces& images) {
         const RaySet& rays = subject.rays;
         auto comparisons = check_answers(court, subject, answers, tracers, hit_options);
         for (size_t i = 0; i < comparisons.size(); ++i) {
@@ -218,9 +237,47 @@ struct CheckRun {
             }
             results.checks.push_back(std::move(comparison.record));
         }
+        if (rays.name == "primary" && pictures.has_folder()) {
+            keep_pixels(court.open.name, rays, answers, tracers, comparisons, images);
+        }
     }
 
-    void check_image_of(const Court& court, const Frame& truth, Tracer& tracer) {
+    /// The sheet of pixels, for the page's inspector.
+    void keep_pixels(const std::string& scene, const RaySet& rays,
+                     std::span<const CastResult> answers, std::span<const std::string> tracers,
+                     std::span<const HitComparison> comparisons, const ImageTraces& images) {
+        // Which pixels, and the ray of each.
+        std::vector<RayClasses> classes;
+        for (const HitComparison& comparison : comparisons) classes.push_back(comparison.classes);
+        const auto [chosen, left_out] =
+            choose_pixels(classes, rays.pixels, rays.width, rays.height);
+        std::vector<uint32_t> ray_of(size_t{rays.width} * rays.height);
+        for (size_t ray = 0; ray < rays.pixels.size(); ++ray) {
+            ray_of[rays.pixels[ray]] = static_cast<uint32_t>(ray);
+        }
+        const std::vector<uint32_t> chosen_rays = chosen_of(ray_of, chosen);
+
+        // Every tracer's answers.
+        PixelSheet sheet{scene, rays.width, rays.height, chosen, {}};
+        for (size_t i = 0; i < tracers.size(); ++i) {
+            SheetColumn& column = sheet.tracers.emplace_back();
+            column.tracer = tracers[i];
+            column.hits = chosen_of(answers[i].hits, chosen_rays);
+            column.classes = chosen_of(classes[i], chosen_rays);
+            const auto image = images.find(tracers[i]);
+            if (image == images.end()) continue;
+            column.colors = chosen_of(image->second.picture.pixels, chosen);
+            column.counters = chosen_of(image->second.counters, chosen);
+        }
+        std::string text = to_json(sheet);
+        PixelSheetRecord record{scene,    rays.width, rays.height,      chosen.size(),
+                                left_out, "",         sha256_text(text)};
+        record.file = pictures.add_file(scene + "_pixels", ".json", std::move(text));
+        if (!record.file.empty()) results.pixel_sheets.push_back(std::move(record));
+    }
+
+    void check_image_of(const Court& court, const Frame& truth, Tracer& tracer,
+                        ImageTraces& images) {
         const RenderSettings settings{.width = size.width, .height = size.height};
         const Camera& camera = court.open.scene->cameras[options.rays.camera];
         const Frame frame = tracer.render(camera, settings);
@@ -228,6 +285,9 @@ struct CheckRun {
         record.scene = court.open.name;
         record.tracer = tracer.name();
         record.oracle = court.oracle->name();
+
+        images[tracer.name()] = {tone_mapped(frame), {}};
+        if (tracer.capabilities().counters) images[tracer.name()].counters = frame.counters;
 
         const auto add = [&](const std::string& role, const std::string& owner, Picture picture) {
             const std::string path =
@@ -270,9 +330,11 @@ struct CheckRun {
             cases.push_back(open_case(court, kind, ray_request()));
         }
         Frame truth;
+        ImageTraces images;
         if (options.image) {
             truth = court.oracle->render(court.open.scene->cameras.at(options.rays.camera),
                                          {.width = size.width, .height = size.height});
+            images[court.oracle->name()] = {tone_mapped(truth), {}};
         }
 
         // Every strategy answers.
@@ -296,7 +358,7 @@ struct CheckRun {
                 make_tracer_record(court.open.name, *tracer, entry->info, params));
             cast_all(*tracer);
             if (options.image && tracer->capabilities().render) {
-                check_image_of(court, truth, *tracer);
+                check_image_of(court, truth, *tracer, images);
             } else if (options.image) {
                 cast_only.push_back(fmt::format("{}, {}", court.open.name, tracer->name()));
             }
@@ -324,7 +386,7 @@ struct CheckRun {
             cast_all(*embree);
         }
         for (size_t c = 0; c < cases.size(); ++c) {
-            check_hits(court, cases[c], answers[c], tracers, taking_part);
+            check_hits(court, cases[c], answers[c], tracers, taking_part, images);
         }
         if (!stopped) stopped = !go_on(progress, 1.0);
     }
