@@ -143,6 +143,7 @@ struct Drawing {
     std::string y_title;
     bool log_x = false;
     bool log_y = false;
+    size_t height = 560;  ///< of the picture, in its pixels; the width is 840
     std::string extra{};  ///< further commands
     Table table{};        ///< columns "series", "x", "y" and others
     std::vector<std::string> series{};
@@ -165,13 +166,14 @@ std::string script(const Drawing& drawing, const std::map<std::string, std::stri
                    const std::string& usual) {
     std::string text = fmt::format(
         "# Made by onepass report --figures. Draws {0}.csv: gnuplot {0}{1}\n"
-        "set terminal svg size 840,560 dynamic enhanced font 'sans-serif,14' background 'white'\n"
-        "set termoption noenhanced\n"
-        "set output {2}\nset datafile separator ','\nset key outside below left Left reverse "
-        "maxrows 12\nset grid lc rgb '#dfe3e7'\nset border 3\nset tics nomirror\n"
-        "set title {3}\nset xlabel {4}\nset ylabel {5}\n",
+        "set terminal svg size 840,{6} dynamic enhanced font 'sans-serif,14' background 'white'\n"
+        "set output {2}\nset datafile separator ','\n"
+        "set key outside below left Left reverse noenhanced maxrows 12\n"
+        "set grid lc rgb '#dfe3e7'\nset border 3\nset tics nomirror\n"
+        "set title {3} noenhanced\nset xlabel {4}\nset ylabel {5}\n",
         drawing.name, kScriptSuffix, gnuplot_text(drawing.name + ".svg"),
-        gnuplot_text(drawing.title), gnuplot_text(drawing.x_title), gnuplot_text(drawing.y_title));
+        gnuplot_text(drawing.title), gnuplot_text(drawing.x_title), gnuplot_text(drawing.y_title),
+        drawing.height);
     if (drawing.log_x) text += "set logscale x\n";
     if (drawing.log_y) text += "set logscale y\n";
     text += drawing.extra + "plot \\\n";
@@ -326,35 +328,37 @@ void ladder_files(const Dossier& dossier, std::vector<TextFile>& files) {
     }
 }
 
-/// Ratio of every timing, with its interval; one row of the chart each.
+/// Ratio of every timing of a scene, with its interval; one row each.
 void speed_files(const Dossier& dossier, std::vector<TextFile>& files) {
-    Drawing drawing;
-    drawing.name = "chart-speed";
-    drawing.title = "Speed relative to Embree";
-    drawing.x_title = "times Embree's speed, median and 95 % interval";
-    drawing.log_x = true;
-    std::string ticks;
-    size_t row = 0;
+    constexpr size_t kRowHeight = 24, kFrameHeight = 140;
     for (const SceneDossier& scene : dossier.scenes) {
+        Drawing drawing;
+        drawing.name = "chart-speed-" + slug(scene.name);
+        drawing.title = scene.name + ": speed relative to Embree";
+        drawing.x_title = "times Embree's speed, median and 95 % interval";
+        drawing.log_x = true;
+        std::string ticks;
+        size_t row = 0;
         for (const auto& timing : scene.timings) {
             if (timing->tracer == timing->oracle || std::isnan(timing->ratio)) continue;
             const std::string name = label(scene.timings, timing);
             add_point(drawing, name, timing->ratio, static_cast<double>(row),
                       {{"low", number(timing->ratio_low)},
                        {"high", number(timing->ratio_high)},
-                       {"scene", scene.name},
                        {"rays", timing->rays},
                        {"mrays_per_s", number(timing->mrays_per_s)},
                        {"errors", std::to_string(timing->errors)}});
             ticks += fmt::format("{}{} {}", row ? ", " : "",
-                                 gnuplot_text(fmt::format("{}, {}, {}", scene.name, timing->rays,
+                                 gnuplot_text(fmt::format("{}, {}, {}", name, timing->rays,
                                                           counted(timing->errors, "error"))),
                                  row);
             ++row;
         }
+        drawing.height = kFrameHeight + kRowHeight * row;
+        drawing.extra = fmt::format(
+            "set nokey\nset ytics ({}) noenhanced\nset yrange [{}:-1]\n", ticks, row);
+        add_files(drawing, {}, ":(column('low')):(column('high')) with xerrorbars ps 0.8", files);
     }
-    drawing.extra = fmt::format("set ytics ({})\nset yrange [-1:{}] reverse\n", ticks, row);
-    add_files(drawing, {}, ":(column('low')):(column('high')) with xerrorbars ps 0.8", files);
 }
 
 }  // namespace

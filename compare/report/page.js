@@ -352,7 +352,7 @@
     // Measured points, and their power laws as dashed lines: straight where both axes are logarithmic.
     function growth(plot) {
         const study = data.growth[Number(plot.dataset.growth)];
-        const power = (line) => (line.exponent === null ? "" : `, slope ${line.exponent.toFixed(2)}`);
+        const power = (line) => (line.exponent === null ? "" : `, slope ${line.exponent.toFixed(2).replace(/^-(0\.00)$/, "$1")}`);
         const points = study.lines.map((line) => ({
             label: `${line.name}${line.device ? " (device)" : ""}${power(line)}`,
             data: line.points,
@@ -680,7 +680,8 @@
                 : swatched(cellOf("td", "", "text"), hex(at("color")), "", hex(at("color"))));
             return row;
         });
-        return { places, odd, rows, width: sheet.width, height: sheet.height };
+        const culprit = sheet.tracers.find((tracer) => odd.some((i) => kErrors.includes(sheet.classes[column(tracer, "class")[i]])))?.name;
+        return { places, odd, rows, culprit, width: sheet.width, height: sheet.height };
     }
 
     function closer(root) {
@@ -691,7 +692,7 @@
         const options = [...root.querySelector("template.layers").content.querySelectorAll("option")];
         if (options.length === 0) return;
 
-        // The two pictures: the oracle's on the left, the first tracer's on the right.
+        // The two pictures: the oracle's on the left; on the right who is first to err.
         for (const select of [left, right]) {
             for (const group of distinct(options.map((o) => o.dataset.group))) {
                 const list = document.createElement("optgroup");
@@ -702,7 +703,6 @@
         }
         const isOracle = (option) => option.dataset.group === "Image" && option.textContent.startsWith("embree/");
         left.selectedIndex = Math.max(0, [...left.options].findIndex(isOracle));
-        right.selectedIndex = 0;
         const show = (image, select) => {
             const option = select.selectedOptions[0];
             image.src = document.getElementById(option.value).src;
@@ -717,6 +717,8 @@
         const refresh = () => { show(under, left); show(over, right); divide(); };
         for (const select of [left, right]) select.addEventListener("change", refresh);
         slider.addEventListener("input", divide);
+        const first = model.sheet && sheetOf(model.sheet).culprit;
+        right.selectedIndex = Math.max(0, [...right.options].findIndex((o) => o.textContent === first));
         refresh();
         root.hidden = false;
         if (!model.sheet) return;

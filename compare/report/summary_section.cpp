@@ -220,7 +220,7 @@ std::string fastest(const Dossier& dossier) {
         std::string text;
         if (clean) {
             text =
-                fmt::format("Without an error <code>{}</code> is the fastest: {}.",
+                fmt::format("without an error <code>{}</code> is the fastest: {}.",
                             escape(name_of({clean->tracer, clean->setting})), speed_text(*clean));
         }
         if (any != clean) {
