@@ -37,6 +37,8 @@ class Auditor {
         each("images", results_.images, [&](const ImageRecord& r) { image(r); });
         each("timings", results_.timings, [&](const TimingRecord& r) { timing(r); });
         each("frame_timings", results_.frame_timings, [&](const FrameTimingRecord& r) {
+            const bool alone = r.oracle_wall_ms.empty();
+            if (!alone && !paired("wall_ms", r.wall_ms.size(), r.oracle_wall_ms.size())) return;
             FrameTimingRecord again = r;
             summarise(again, seed());
             expect("median_ms", r.median_ms, again.median_ms);
@@ -48,6 +50,7 @@ class Auditor {
             if (r.failure.empty()) audit_.underived += 3;  // the oracle's samples are not kept
         });
         each("tradeoffs", results_.tradeoffs, [&](const TradeoffPoint& r) {
+            if (!paired("wall_ms", r.wall_ms.size(), r.oracle_wall_ms.size())) return;
             ratio(r, ratio_of_medians(r.oracle_wall_ms, r.wall_ms, seed()));
         });
         ablations();
@@ -94,6 +97,12 @@ class Auditor {
         expect_text(field, word(stored), word(derived));
     }
 
+    /// Ratios are of samples paired round by round; without as many on both sides there is none.
+    bool paired(const std::string& fields, size_t a, size_t b) {
+        expect_count("samples of " + fields, a, b);
+        return a == b;
+    }
+
     template <class Record>
     void ratio(const Record& record, const RatioInterval& derived) {
         expect("ratio", record.ratio, derived.ratio);
@@ -130,6 +139,7 @@ class Auditor {
     }
 
     void timing(const TimingRecord& r) {
+        if (!paired("wall_ms", r.wall_ms.size(), r.oracle_wall_ms.size())) return;
         TimingRecord again = r;
         summarise(again, seed());
         expect("median_ms", r.median_ms, again.median_ms);
@@ -165,6 +175,12 @@ class Auditor {
             const ClaimMeasurement& m = r.measurements[i];
             if (!m.failure.empty()) continue;
             place_ = fmt::format("{}.measurements[{}]", place, i);
+            const size_t samples = m.baseline_samples.size();
+            if (!paired("variant", m.variant_samples.size(), std::max<size_t>(samples, 1)))
+                continue;
+            if (!m.again_samples.empty() && !paired("again", m.again_samples.size(), samples)) {
+                continue;
+            }
             ClaimMeasurement again = m;
             summarise(again, seed());
             ratio(m, {again.ratio, again.ratio_low, again.ratio_high});
@@ -188,21 +204,18 @@ class Auditor {
     /// Ratios are to the first record of a scene and its work.
     void ablations() {
         const std::vector<AblationRecord>& all = results_.ablations;
-        for (size_t begin = 0; begin < all.size();) {
-            size_t end = begin;
-            while (end < all.size() && all[end].scene == all[begin].scene &&
-                   all[end].work == all[begin].work) {
-                ++end;
+        size_t first = 0;
+        for (size_t i = 0; i < all.size(); ++i) {
+            if (all[i].scene != all[first].scene || all[i].work != all[first].work) first = i;
+            if (!all[i].failure.empty()) continue;
+            place_ = fmt::format("ablations[{}]", i);
+            std::vector<AblationRecord> again = {all[first], all[i]};
+            if (!paired("wall_ms", all[i].wall_ms.size(), all[first].wall_ms.size())) continue;
+            if (!paired("device_ms", all[i].device_ms.size(), all[first].device_ms.size())) {
+                continue;
             }
-            std::vector<AblationRecord> again(all.begin() + static_cast<std::ptrdiff_t>(begin),
-                                              all.begin() + static_cast<std::ptrdiff_t>(end));
             compare_ablations(again, seed());
-            for (size_t i = begin; i < end; ++i) {
-                place_ = fmt::format("ablations[{}]", i);
-                const AblationRecord& r = again[i - begin];
-                ratio(all[i], {r.ratio, r.ratio_low, r.ratio_high});
-            }
-            begin = end;
+            ratio(all[i], {again[1].ratio, again[1].ratio_low, again[1].ratio_high});
         }
     }
 

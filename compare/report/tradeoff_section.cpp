@@ -164,8 +164,10 @@ TradeoffPoint point_of(const TimingRecord& timing, uint64_t seed) {
     point.ray_count = timing.ray_count;
     point.errors = timing.errors;
     point.edges = timing.edges;
-    const RatioInterval device = device_speed(timing, seed).ratio;
-    const bool on_device = !std::isnan(device.ratio);
+    const bool on_device = !timing.device_ms.empty() &&
+                           timing.device_ms.size() == timing.oracle_wall_ms.size() &&
+                           timing.device_ms.size() == timing.wall_ms.size();
+    const RatioInterval device = on_device ? device_speed(timing, seed).ratio : RatioInterval{};
     point.ratio = on_device ? device.ratio : timing.ratio;
     point.ratio_low = on_device ? device.low : timing.ratio_low;
     point.ratio_high = on_device ? device.high : timing.ratio_high;

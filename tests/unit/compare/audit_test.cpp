@@ -23,7 +23,7 @@ namespace {
 
 constexpr uint64_t kSeed = 7;
 
-/// Eleven rounds without two equal ones, the third and the last as far apart as can be.
+/// Eleven rounds without two equal ones. The second is their median, the last the slowest.
 std::vector<double> rounds(double middle) {
     return {middle,       middle + 0.2, middle - 4.0, middle + 0.4, middle - 0.2, middle + 0.6,
             middle - 0.4, middle + 0.8, middle - 0.6, middle + 1.0, middle + 5.0};
@@ -139,7 +139,7 @@ TEST(Audit, passes_a_file_that_nobody_touched) {
 }
 
 TEST(Audit, finds_a_sample_that_changes_a_headline_even_under_a_fitting_digest) {
-    const Audit found = audit_of(forged([](Results& r) { r.timings[0].wall_ms[0] = 20.1; }));
+    const Audit found = audit_of(forged([](Results& r) { r.timings[0].wall_ms[1] = 20.3; }));
     EXPECT_FALSE(found.passed());
     EXPECT_TRUE(found.intact);
     const std::vector<std::string> where = places(found);
@@ -172,6 +172,11 @@ TEST(Audit, says_that_an_older_file_holds_no_digest_and_derives_its_figures) {
     EXPECT_FALSE(found.sealed);
     EXPECT_TRUE(found.passed());
     EXPECT_GT(found.derived, 40u);
+}
+
+TEST(Audit, finds_a_sample_that_is_left_out) {
+    const Audit found = audit_of(forged([](Results& r) { r.timings[0].wall_ms.pop_back(); }));
+    EXPECT_EQ(places(found), std::vector<std::string>{"timings[0].samples of wall_ms"});
 }
 
 struct Forgery {
@@ -211,12 +216,12 @@ INSTANTIATE_TEST_SUITE_P(
                 [](Results& r) { r.claims[0].verdict = ClaimVerdict::depends; }},
         Forgery{"finding", "claims[0].now", [](Results& r) { r.claims[0].now = "all is well"; }},
         Forgery{"measurement", "claims[0].measurements[0].ratio",
-                [](Results& r) { r.claims[0].measurements[0].variant_samples[0] += 0.1; }},
+                [](Results& r) { r.claims[0].measurements[0].variant_samples[1] += 0.1; }},
         Forgery{"tradeoff", "tradeoffs[0].ratio_low",
                 [](Results& r) { r.tradeoffs[0].ratio_low = 0.4; }},
         Forgery{"ablation", "ablations[1].ratio",
-                [](Results& r) { r.ablations[1].wall_ms[0] = 24.9; }}),
-    [](const auto& info) { return info.param.name; });
+                [](Results& r) { r.ablations[1].wall_ms[1] = 25.3; }}),
+    [](const auto& forgery) { return forgery.param.name; });
 
 TEST(Audit, finds_a_sheet_of_pixels_that_was_edited_or_is_gone) {
     const TemporaryFolder folder;
