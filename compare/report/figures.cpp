@@ -355,8 +355,8 @@ void speed_files(const Dossier& dossier, std::vector<TextFile>& files) {
             ++row;
         }
         drawing.height = kFrameHeight + kRowHeight * row;
-        drawing.extra = fmt::format(
-            "set nokey\nset ytics ({}) noenhanced\nset yrange [{}:-1]\n", ticks, row);
+        drawing.extra =
+            fmt::format("set nokey\nset ytics ({}) noenhanced\nset yrange [{}:-1]\n", ticks, row);
         add_files(drawing, {}, ":(column('low')):(column('high')) with xerrorbars ps 0.8", files);
     }
 }
