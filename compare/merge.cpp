@@ -169,6 +169,7 @@ void move_pictures(Results& results, const fs::path& from, const fs::path& to) {
     for (ImageRecord& image : results.images) {
         for (auto& [role, path] : image.pictures) move(path);
     }
+    for (PixelSheetRecord& sheet : results.pixel_sheets) move(sheet.file);
 }
 
 }  // namespace onepass

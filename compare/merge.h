@@ -32,7 +32,8 @@ Results merge_shards(const std::vector<ShardFile>& files, bool partial);
 /// Whether times of the two can be compared: the same kind of CPU, cores, GL device and Embree.
 bool like_machines(const Manifest& a, const Manifest& b);
 
-/// Makes the paths of the results' pictures, which are relative to `from`, relative to `to`.
+/// Makes the paths of the results' pictures and pixel sheets, which are relative to `from`,
+/// relative to `to`.
 void move_pictures(Results& results, const std::filesystem::path& from,
                    const std::filesystem::path& to);
 

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/atomic_file.h"
+#include "compare/hash.h"
 #include "core/error.h"
 
 namespace onepass {
@@ -255,6 +256,12 @@ void fields(A& a, AblationRecord& r) {
     a("setting", r.setting), a("rays", r.rays), a("errors", r.errors), a("edges", r.edges);
     a("wall_ms", r.wall_ms), a("device_ms", r.device_ms), a("ratio", r.ratio);
     a("ratio_low", r.ratio_low), a("ratio_high", r.ratio_high), a("failure", r.failure);
+}
+
+template <class A>
+void fields(A& a, PixelSheetRecord& s) {
+    a("scene", s.scene), a("width", s.width), a("height", s.height), a("pixels", s.pixels);
+    a("left_out", s.left_out), a("file", s.file), a("digest", s.digest);
 }
 
 template <class A>
@@ -544,10 +551,41 @@ const RungRecord* breaks_at(const LadderRecord& ladder, const std::string& trace
     return nullptr;
 }
 
+namespace {
+
+constexpr const char* kDigest = "digest";
+
+std::string digest_of(const json& document) {
+    nlohmann::json sorted = document;
+    sorted.erase(kDigest);
+    return sha256_text(sorted.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
+json parsed(const std::string& text, const std::string& file_name) {
+    json document = json::parse(text, nullptr, false);
+    if (document.is_discarded()) {
+        throw Error({file_name, "text that is no JSON", "a result file of onepass",
+                     "Name a file written with --json."});
+    }
+    return document;
+}
+
+}  // namespace
+
 std::string to_json(const Results& results) {
     json document = {{"schema_version", Results::kSchemaVersion}};
     document.update(Writer::write(results));
+    document[kDigest] = digest_of(document);
     return document.dump(1) + "\n";
+}
+
+Seal seal_of(const std::string& text, const std::string& file_name) {
+    const json document = parsed(text, file_name);
+    if (!document.is_object()) {
+        throw Error({file_name, document.type_name(), "an object", "Name a file of onepass."});
+    }
+    const json stored = document.value(kDigest, json(""));
+    return {stored.is_string() ? stored.get<std::string>() : stored.dump(), digest_of(document)};
 }
 
 namespace {
@@ -563,8 +601,8 @@ void upgrade(json& document) {
 
 /// What version 3 gained after its first files: those have none of it.
 void add_later_fields(json& document) {
-    for (const char* list :
-         {"paces", "growth_builds", "growth_traces", "ablations", "refusals", "builds"}) {
+    for (const char* list : {"paces", "growth_builds", "growth_traces", "ablations", "pixel_sheets",
+                             "refusals", "builds"}) {
         if (!document.contains(list)) document[list] = json::array();
     }
     if (!document.contains("study")) document["study"] = nullptr;
@@ -591,11 +629,8 @@ void add_later_record_fields(json& document) {
 }  // namespace
 
 Results results_from_json(const std::string& text, const std::string& file_name) {
-    json document = json::parse(text, nullptr, false);
-    if (document.is_discarded()) {
-        throw Error({file_name, "text that is no JSON", "a result file of onepass",
-                     "Name a file written with --json."});
-    }
+    json document = parsed(text, file_name);
+    if (document.is_object()) document.erase(kDigest);
     if (document.is_object() && document.value("schema_version", json()) == 2) upgrade(document);
     if (document.is_object()) add_later_fields(document), add_later_record_fields(document);
     Reader reader(document, file_name, "");

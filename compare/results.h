@@ -412,6 +412,18 @@ struct AblationRecord {
     std::string failure;  ///< why it could not be made; else empty
 };
 
+/// A bounded set of an image's pixels with every tracer's answer to each: what the page's inspector
+/// reads. The answers lie in a file of their own (compare/pixels.h).
+struct PixelSheetRecord {
+    std::string scene;
+    uint32_t width = 0;
+    uint32_t height = 0;
+    uint64_t pixels = 0;
+    uint64_t left_out = 0;  ///< pixels with an answer that is not `agree` for which was no room
+    std::string file;       ///< as ImageRecord::pictures
+    std::string digest;     ///< SHA-256 of that file
+};
+
 /// A strategy that could not take a scene.
 struct RefusalRecord {
     std::string scene;
@@ -470,6 +482,7 @@ struct Results {
     std::vector<GrowthBuild> growth_builds;
     std::vector<GrowthTrace> growth_traces;
     std::vector<AblationRecord> ablations;
+    std::vector<PixelSheetRecord> pixel_sheets;
     std::vector<RefusalRecord> refusals;
     std::vector<BuildRecord> builds;
     std::optional<StudyRecord> study;  ///< absent where the run is not made of points
@@ -485,16 +498,30 @@ void for_each_list(Visit&& visit) {
     visit("ladders", &Results::ladders), visit("tradeoffs", &Results::tradeoffs);
     visit("paces", &Results::paces), visit("growth_builds", &Results::growth_builds);
     visit("growth_traces", &Results::growth_traces), visit("ablations", &Results::ablations);
-    visit("refusals", &Results::refusals), visit("builds", &Results::builds);
+    visit("pixel_sheets", &Results::pixel_sheets), visit("refusals", &Results::refusals);
+    visit("builds", &Results::builds);
 }
 
-/// JSON text of a run. Infinities are the strings "inf" and "-inf", NaN is null; all else reads
-/// back as the very value that was written.
+/// JSON text of a run, closed by a digest of all the rest. Infinities are the strings "inf" and
+/// "-inf", NaN is null; all else reads back as the very value that was written.
 std::string to_json(const Results& results);
 
 /// Throws: Error naming the file and the field for text that is not a Results of this version: no
 /// JSON, another version, a field that is missing, unknown or of another type.
 Results results_from_json(const std::string& text, const std::string& file_name);
+
+/// The digest that a result file holds, and the one that its content has.
+///
+/// SHA-256 of all members but the digest itself, as JSON without blanks and with sorted keys: what
+/// a record means decides, not how the file is laid out, and a new record type is covered at once.
+struct Seal {
+    std::string stored;  ///< "" in a file from before there were digests
+    std::string derived;
+
+    bool intact() const { return stored == derived; }
+};
+/// Throws: Error for text that is no JSON object.
+Seal seal_of(const std::string& text, const std::string& file_name);
 
 /// Written whole or not at all: temporary file, then rename. "-" writes to standard output.
 void write_results(const Results& results, const std::filesystem::path& path);

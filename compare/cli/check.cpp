@@ -18,8 +18,10 @@
 #include "compare/cli/study_run.h"
 #include "compare/cli/table.h"
 #include "compare/frames.h"
+#include "compare/hash.h"
 #include "compare/images.h"
 #include "compare/manifest.h"
+#include "compare/pixels.h"
 #include "core/error.h"
 
 namespace onepass::cli {
@@ -162,6 +164,22 @@ std::string image_line(const ImageRecord& image) {
 /// The work on a scene's image has a key like that on its rays.
 constexpr char kImage[] = "image";
 
+/// What a tracer's image leaves for the sheet of pixels.
+struct ImageTrace {
+    Picture picture;
+    std::vector<RayCounters> counters;  ///< empty: it counts none
+};
+using ImageTraces = std::map<std::string, ImageTrace>;  ///< by tracer
+
+/// The chosen of a whole image's values; none of none.
+template <class T>
+std::vector<T> chosen_of(const std::vector<T>& values, std::span<const uint32_t> indices) {
+    std::vector<T> chosen;
+    if (values.empty()) return chosen;
+    for (const uint32_t index : indices) chosen.push_back(values[index]);
+    return chosen;
+}
+
 /// One run of the command: fills `study`, and `pictures` beside it.
 struct CheckRun {
     Session& session;
@@ -209,7 +227,7 @@ struct CheckRun {
     /// `taking_part`.
     void check_hits(const Court& court, const Case& subject, std::span<const CastResult> answers,
                     std::span<const std::string> tracers, std::span<const size_t> taking_part,
-                    Results& results) {
+                    const ImageTraces& traces, Results& results) {
         const RaySet& rays = subject.rays;
         auto comparisons = check_answers(court, subject, answers, tracers, hit_options);
         for (size_t i = 0; i < comparisons.size(); ++i) {
@@ -226,9 +244,48 @@ struct CheckRun {
             }
             results.checks.push_back(std::move(comparison.record));
         }
+        if (rays.name == "primary" && pictures.has_folder()) {
+            keep_pixels(court.open.name, rays, answers, tracers, comparisons, traces, results);
+        }
     }
 
-    void check_image_of(const Court& court, const Frame& truth, Tracer& tracer, Results& results) {
+    /// The sheet of pixels, for the page's inspector.
+    void keep_pixels(const std::string& scene, const RaySet& rays,
+                     std::span<const CastResult> answers, std::span<const std::string> tracers,
+                     std::span<const HitComparison> comparisons, const ImageTraces& traces,
+                     Results& results) {
+        // Which pixels, and the ray of each.
+        std::vector<RayClasses> classes;
+        for (const HitComparison& comparison : comparisons) classes.push_back(comparison.classes);
+        const auto [chosen, left_out] =
+            choose_pixels(classes, rays.pixels, rays.width, rays.height);
+        std::vector<uint32_t> ray_of(size_t{rays.width} * rays.height);
+        for (size_t ray = 0; ray < rays.pixels.size(); ++ray) {
+            ray_of[rays.pixels[ray]] = static_cast<uint32_t>(ray);
+        }
+        const std::vector<uint32_t> chosen_rays = chosen_of(ray_of, chosen);
+
+        // Every tracer's answers.
+        PixelSheet sheet{scene, rays.width, rays.height, chosen, {}};
+        for (size_t i = 0; i < tracers.size(); ++i) {
+            SheetColumn& column = sheet.tracers.emplace_back();
+            column.tracer = tracers[i];
+            column.hits = chosen_of(answers[i].hits, chosen_rays);
+            column.classes = chosen_of(classes[i], chosen_rays);
+            const auto image = traces.find(tracers[i]);
+            if (image == traces.end()) continue;
+            column.colors = chosen_of(image->second.picture.pixels, chosen);
+            column.counters = chosen_of(image->second.counters, chosen);
+        }
+        std::string text = to_json(sheet);
+        PixelSheetRecord record{scene,    rays.width, rays.height,      chosen.size(),
+                                left_out, "",         sha256_text(text)};
+        record.file = pictures.add_file(scene + "_pixels", ".json", std::move(text));
+        if (!record.file.empty()) results.pixel_sheets.push_back(std::move(record));
+    }
+
+    ImageRecord check_image_of(const Court& court, const Frame& truth, Tracer& tracer,
+                               ImageTraces& traces) {
         const RenderSettings settings{.width = size.width, .height = size.height};
         const Camera& camera = court.open.scene->cameras[options.rays.camera];
         const Frame frame = tracer.render(camera, settings);
@@ -236,6 +293,9 @@ struct CheckRun {
         record.scene = court.open.name;
         record.tracer = tracer.name();
         record.oracle = court.oracle->name();
+
+        traces[tracer.name()] = {tone_mapped(frame), {}};
+        if (tracer.capabilities().counters) traces[tracer.name()].counters = frame.counters;
 
         const auto add = [&](const std::string& role, const std::string& owner, Picture picture) {
             const std::string path =
@@ -250,10 +310,10 @@ struct CheckRun {
             record.cells_full_scale = cells.full_scale;
             add("cells", tracer.name(), std::move(cells.picture));
         }
-        results.images.push_back(std::move(record));
+        return record;
     }
 
-    /// Writes the pictures first: no record may name one that is not there.
+    /// Writes the pictures and the sheet first: no record may name one that is not there.
     void finish_point(const std::string& key, Results point) {
         pictures.write();
         study.add(key, std::move(point));
@@ -284,13 +344,18 @@ struct CheckRun {
             cases.push_back(open_case(court, kind, ray_request()));
         }
         Frame truth;
-        if (image) {
+        // The image is rendered for its own point, and for the sheet of pixels.
+        const bool has_sheet = pictures.has_folder() && std::ranges::count(kinds, "primary") > 0;
+        const bool render = options.image && (image || has_sheet);
+        ImageTraces traces;
+        if (render) {
             truth = court.oracle->render(court.open.scene->cameras.at(options.rays.camera),
                                          {.width = size.width, .height = size.height});
+            traces[court.oracle->name()] = {tone_mapped(truth), {}};
         }
 
         // Every strategy answers.
-        Results images;
+        std::vector<ImageRecord> images;
         std::vector<size_t> taking_part;
         std::vector<std::string> tracers;
         std::vector<std::vector<CastResult>> answers(cases.size());
@@ -314,8 +379,8 @@ struct CheckRun {
                 make_tracer_record(court.open.name, *tracer, entry->info, params));
             shared.tracers.back().sizing = sizing_name(entry->info, options.sizing);
             cast_all(*tracer);
-            if (image && tracer->capabilities().render) {
-                check_image_of(court, truth, *tracer, images);
+            if (render && tracer->capabilities().render) {
+                images.push_back(check_image_of(court, truth, *tracer, traces));
             } else if (image) {
                 cast_only.push_back(fmt::format("{}, {}", court.open.name, tracer->name()));
             }
@@ -341,13 +406,13 @@ struct CheckRun {
         }
         if (image) {
             Results point = shared;
-            point.images = std::move(images.images);
+            point.images = std::move(images);
             finish_point(case_key(frame_or_name, kImage), std::move(point));
         }
         for (size_t c = 0; c < cases.size(); ++c) {
             if (!go_on(next_point(bar, study), 0.0)) return;
             Results point = shared;
-            check_hits(court, cases[c], answers[c], tracers, taking_part, point);
+            check_hits(court, cases[c], answers[c], tracers, taking_part, traces, point);
             finish_point(case_key(frame_or_name, kinds[c]), std::move(point));
         }
     }

@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "compare/atomic_file.h"
 #include "compare/cli/commands.h"
+#include "core/error.h"
 
 namespace onepass::cli {
 namespace {
@@ -21,11 +24,24 @@ struct MergeCommand {
     bool partial = false;
 };
 
+/// A shard as its run wrote it: the united file gets a digest of its own, and no edit may hide
+/// behind that.
+Results read_unedited(const std::string& input) {
+    Results results = read_results(input);
+    std::ifstream file(input, std::ios::binary);
+    const Seal seal = seal_of({std::istreambuf_iterator<char>(file), {}}, input);
+    if (!seal.stored.empty() && !seal.intact()) {
+        throw Error({input, "a digest that is not that of the content: it was edited",
+                     "a file as its run wrote it", "Make the shard again."});
+    }
+    return results;
+}
+
 void run(const MergeCommand& options) {
     check_writable(options.output);
     std::vector<ShardFile> files;
     for (const std::string& input : options.inputs) {
-        files.push_back({input, read_results(input)});
+        files.push_back({input, read_unedited(input)});
         move_pictures(files.back().results, fs::path(input).parent_path(),
                       fs::path(options.output).parent_path());
     }

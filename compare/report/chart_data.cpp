@@ -26,7 +26,6 @@ json timing_json(const SceneDossier& scene, const Entry<TimingRecord>& timing) {
             {"ratio", number(timing->ratio)},
             {"low", number(timing->ratio_low)},
             {"high", number(timing->ratio_high)},
-            {"mrays", number(timing->mrays_per_s)},
             {"errors", timing->errors},
             {"count", timing->ray_count}};
 }
@@ -241,9 +240,10 @@ std::string chart_data(const Dossier& dossier) {
     for (const Cloud& cloud : all_clouds) tradeoffs.push_back(cloud_json(cloud, colours));
     json growth = json::array();
     for (const GrowthChart& chart : growth_charts(dossier)) growth.push_back(growth_json(chart));
-    const json data = {{"timings", timings}, {"sweeps", plots},   {"claims", claims},
-                       {"motion", motion},   {"ladders", climbs}, {"tradeoffs", tradeoffs},
-                       {"growth", growth}};
+    const json data = {{"timings", timings}, {"sweeps", plots},
+                       {"claims", claims},   {"motion", motion},
+                       {"ladders", climbs},  {"tradeoffs", tradeoffs},
+                       {"growth", growth},   {"closer", json::parse(closer_data(dossier))}};
     // Text from files need not be UTF-8; a chart label shows a replacement character then.
     return script_safe(data.dump(-1, ' ', false, json::error_handler_t::replace));
 }

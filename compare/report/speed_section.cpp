@@ -294,9 +294,6 @@ std::string speed_section(const Dossier& dossier) {
                   "Above 1 is faster than the oracle on the same rays in the same rounds. The "
                   "whisker is the 95 % bootstrap interval; the count after each name is its "
                   "errors.");
-    html += chart("scatter", "Speed against errors",
-                  "Up is faster, left is cleaner. One point a scene, ray kind and tracer; the "
-                  "colour is the tracer, the shape the scene.");
     html += tables;
     html +=
         "<p class=\"note\">Times are wall times from launch to finish, without upload and "

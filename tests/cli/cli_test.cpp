@@ -706,6 +706,33 @@ TEST(Report, makes_a_page_from_results) {
     EXPECT_NE(read_bytes(folder.path() / "page.html").find("balls-1"), std::string::npos);
 }
 
+TEST(Report, check_passes_what_a_run_wrote_and_fails_what_somebody_edited) {
+    const TemporaryFolder folder;
+    onepass_in(folder, with(kSmallCheck, {"--json", "run.json"}));
+    const std::vector<std::string> check = {"report", "--check", "run.json"};
+    const Outcome untouched = onepass_in(folder, check);
+    EXPECT_EQ(untouched.exit_code, 0) << untouched.out;
+    EXPECT_NE(untouched.out.find("the digest is right"), std::string::npos) << untouched.out;
+
+    const std::string text = read_bytes(folder.path() / "run.json");
+    const size_t at = text.find("\"seed\": 1");
+    ASSERT_NE(at, std::string::npos);
+    folder.write("run.json", std::string(text).replace(at, 9, "\"seed\": 2"));
+    const Outcome edited = onepass_in(folder, check);
+    EXPECT_EQ(edited.exit_code, 1);
+    EXPECT_NE(edited.out.find("FAILED"), std::string::npos) << edited.out;
+    EXPECT_NE(edited.out.find("DIGEST"), std::string::npos) << edited.out;
+}
+
+TEST(Report, leaves_figures_in_a_folder_and_wants_to_know_what_to_make) {
+    const TemporaryFolder folder;
+    onepass_in(folder, with(kSmallCheck, {"--json", "run.json"}));
+    const Outcome outcome = onepass_in(folder, {"report", "run.json", "--figures", "it's new"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "it's new" / "checks.csv"));
+    expect_refused(folder, {"report", "run.json"}, "--figures");
+}
+
 // ---- Stress ----
 
 TEST(Stress, prints_where_each_method_breaks_and_passes_whatever_fails) {

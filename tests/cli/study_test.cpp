@@ -22,9 +22,10 @@ Words with(Words words, const Words& more) {
     return words;
 }
 
-/// Fields that hold times, or what follows from them, or pictures, which are named after the file.
-/// All else must not depend on who ran when.
+/// Fields that hold times, or what follows from them, or pictures and sheets of pixels, which are
+/// named after the file. All else must not depend on who ran when: a sheet's digest among it.
 bool may_differ(const std::string& name) {
+    if (name == "file") return true;
     for (const char* word : {"_ms", "ratio", "mrays", "time_utc", "noise", "picture"}) {
         if (name.find(word) != std::string::npos) return true;
     }
@@ -57,11 +58,12 @@ void drop_times(json& value) {
     }
 }
 
-/// The file without times and without the manifest, which names the command line.
+/// The file without times and without the manifest, which names the command line, and its digest.
 std::string counts_of(const std::filesystem::path& file) {
     json document = json::parse(read_bytes(file));
     drop_times(document);
     document.erase("manifest");
+    document.erase("digest");
     document["study"].erase("parts");
     return document.dump(1);
 }
@@ -182,6 +184,20 @@ TEST(Merge, says_which_shards_are_missing_and_writes_nothing) {
     EXPECT_FALSE(std::filesystem::exists(folder.path() / "all.json"));
     EXPECT_EQ(onepass_in(folder, {"merge", "1.json", "-o", "all.json", "--partial"}).exit_code, 0);
     EXPECT_FALSE(read_results(folder.path() / "all.json").manifest.complete);
+}
+
+TEST(Merge, refuses_a_shard_that_was_edited) {
+    const TemporaryFolder folder;
+    onepass_in(folder, with(kSmallBench, {"--rays", "primary", "--json", "1.json"}));
+    ASSERT_EQ(onepass_in(folder, {"merge", "1.json", "-o", "all.json"}).exit_code, 0);
+    std::string text = read_bytes(folder.path() / "1.json");
+    const std::string count = "\"ray_count\": 1024";
+    const size_t at = text.find(count);
+    ASSERT_NE(at, std::string::npos);
+    folder.write("1.json", text.replace(at, count.size(), "\"ray_count\": 1023"));
+    const Outcome outcome = onepass_in(folder, {"merge", "1.json", "-o", "all.json"});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_NE(outcome.err.find("it was edited"), std::string::npos) << outcome.err;
 }
 
 TEST(Shard, that_is_none_is_refused) {

@@ -138,10 +138,12 @@ TEST(Merge, finds_the_pictures_from_its_own_folder) {
     results.checks[0].picture = "p/a.png";
     results.images.resize(1);
     results.images[0].pictures = {{"image", "b.png"}};
+    results.pixel_sheets.emplace_back().file = "c.json";
     move_pictures(results, "shards/one", "out");
     EXPECT_EQ(results.checks[0].picture, "../shards/one/p/a.png");
     EXPECT_EQ(results.checks[1].picture, "") << "there is none";
     EXPECT_EQ(results.images[0].pictures[0].second, "../shards/one/b.png");
+    EXPECT_EQ(results.pixel_sheets[0].file, "../shards/one/c.json");
     move_pictures(results, "out", "");
     EXPECT_EQ(results.images[0].pictures[0].second, "shards/one/b.png");
 }

@@ -216,6 +216,7 @@ Results full_results() {
         {"ball", 1000, "paper/x/y", "density=2", {1.5, 2.5}, 4096, 5000, 6000, "refused"}};
     results.growth_traces = {
         {"ball", 1000, "paper/x/y", "density=2", "diffuse", 512, true, {3.5}, {0.25}, 64, 3, 2}};
+    results.pixel_sheets = {{"bunny", 4, 3, 12, 1, "sheet.json", "abc"}};
     results.ablations = {{"bunny",
                           "image",
                           "paper/x/y",
@@ -316,7 +317,8 @@ TEST(ResultsJson, reads_files_that_are_older_than_its_last_lists) {
 
 TEST(ResultsJson, holds_every_member_of_every_record) {
     const auto document = nlohmann::json::parse(to_json(full_results()));
-    EXPECT_EQ(document.size(), 19u) << "the version and the members of Results";
+    EXPECT_EQ(document.size(), 21u) << "the version, the members of Results and the digest";
+    EXPECT_EQ(document["pixel_sheets"][0].size(), 7u);
     EXPECT_EQ(document["manifest"].size(), 17u);
     EXPECT_EQ(document["scenes"][0].size(), 7u);
     EXPECT_EQ(document["tracers"][0].size(), 12u);
