@@ -41,7 +41,7 @@ std::string scene_facts(const SceneDossier& scene) {
 
 // ---- Pictures.
 
-/// Embeds a picture unless this scene has shown the same bytes already.
+/// Embeds a picture unless this scene has shown the same bytes already: then it says so.
 class Gallery {
   public:
     Gallery(const Dossier& dossier, const SceneDossier& scene)
@@ -52,26 +52,38 @@ class Gallery {
                        const std::string& legend, const std::string& group,
                        const std::string& name) {
         const std::string bytes = read_png((*dossier_.folders)[run] / file);
-        const auto [shown, is_new] =
-            shown_.emplace(bytes, fmt::format("picture-{}-{}", slug_, shown_.size() + 1));
-        layers_ += fmt::format("<option value=\"{}\" data-group=\"{}\">{}</option>", shown->second,
-                               group, name);
-        if (!is_new) return {};
+        const auto [shown, is_new] = shown_.emplace(
+            bytes, Shown{fmt::format("picture-{}-{}", slug_, shown_.size() + 1), title});
+        const auto& [id, first_title] = shown->second;
+        layers_ +=
+            fmt::format("<option value=\"{}\" data-group=\"{}\">{}</option>", id, group, name);
+        if (!is_new && title == first_title) return {};
+        if (!is_new) {
+            return fmt::format(
+                "<figure><figcaption><strong>{}</strong>byte for byte the picture of "
+                "{}</figcaption></figure>\n",
+                title, first_title);
+        }
         const PngSize size = png_size(bytes);
         return fmt::format(
             "<figure><button type=\"button\" class=\"zoom\" aria-label=\"Enlarge: {0}\">"
             "<img id=\"{5}\" src=\"{1}\" width=\"{2}\" height=\"{3}\" alt=\"{0}\"></button>"
             "<figcaption><strong>{0}</strong>{4}</figcaption></figure>\n",
-            title, data_uri(bytes), size.width, size.height, legend, shown->second);
+            title, data_uri(bytes), size.width, size.height, legend, id);
     }
 
     /// Every picture of the gallery by name, with the place where it is shown.
     std::string layers() const { return "<template class=\"layers\">" + layers_ + "</template>\n"; }
 
   private:
+    struct Shown {
+        std::string id;
+        std::string title;
+    };
+
     const Dossier& dossier_;
     std::string slug_;
-    std::map<std::string, std::string> shown_;  ///< content to id
+    std::map<std::string, Shown> shown_;  ///< by content
     std::string layers_;
 };
 

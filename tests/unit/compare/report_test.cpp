@@ -544,13 +544,14 @@ TEST_F(Report, gives_charts_no_speed_without_its_errors) {
     const std::string page = sample_page();
     const size_t open = page.find("id=\"onepass-data\">");
     const std::string data = page.substr(open, page.find("</script>", open) - open);
-    EXPECT_EQ(count_of(data, "\"mrays\":"), sample_bench_run().timings.size());
-    EXPECT_EQ(count_of(data, "\"time\":"), timed_sizes(sample_tune_run()));
+    EXPECT_EQ(count_of(data, "\"oracle\":"), sample_bench_run().timings.size());
+    EXPECT_EQ(count_of(data, "\"predicted\":"), timed_sizes(sample_tune_run()));
     EXPECT_EQ(count_of(data, "\"frontOfRest\":"),
               cloud_points({sample_check_run(), sample_bench_run()}));
-    EXPECT_EQ(count_of(data, "\"errors\":"), count_of(data, "\"mrays\":") +
+    EXPECT_EQ(count_of(data, "\"errors\":"), count_of(data, "\"oracle\":") +
                                                  count_of(data, "\"time\":") +
-                                                 count_of(data, "\"frontOfRest\":"));
+                                                 count_of(data, "\"frontOfRest\":"))
+        << "the sizes that stand out have times and errors of their own";
 }
 
 TEST_F(Report, says_first_who_is_right_who_is_wrong_and_who_is_fast) {
@@ -753,12 +754,18 @@ TEST_F(Report, embeds_each_picture_once_a_scene) {
               sample_check_run().scenes.size());
 }
 
+TEST_F(Report, says_which_picture_is_the_same_as_one_that_is_shown) {
+    std::filesystem::copy_file(folder_ / "image.png", folder_ / "oracle.png",
+                               std::filesystem::copy_options::overwrite_existing);
+    EXPECT_NE(visible(sample_page()).find("byte for byte the picture of "), std::string::npos);
+}
+
 TEST_F(Report, shows_a_grid_size_that_could_not_be_built_with_its_reason) {
     const std::string page = visible(sample_page());
     EXPECT_NE(page.find("expected at most 4096 &lt;of 16^3&gt;"), std::string::npos);
     EXPECT_NE(
-        page.find("1 could not be built. Best, by errors and then by speed: object λ 4, top λ "
-                  "1.2."),
+        page.find("1 could not be built. Best, by errors and then by speed: object λ 4.00, top λ "
+                  "1.20."),
         std::string::npos);
 }
 
