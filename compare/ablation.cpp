@@ -55,6 +55,7 @@ std::string tracer_without(const std::string& tracer, const AblationStep& step) 
 void compare_ablations(std::span<AblationRecord> records, uint64_t seed) {
     ONEPASS_CHECK(!records.empty());
     for (AblationRecord& record : records) {
+        if (!record.failure.empty()) continue;
         const RatioInterval r =
             ratio_of_medians(samples_of(records.front()), samples_of(record), seed);
         record.ratio = r.ratio, record.ratio_low = r.low, record.ratio_high = r.high;

@@ -29,7 +29,8 @@ const std::vector<AblationStep>& ablation_steps(const std::string& strategy);
 std::string tracer_without(const std::string& tracer, const AblationStep& step);
 
 /// Fills the records' ratios from their samples: `records` are of one scene and work, and the first
-/// is the strategy as it is. By the device's timer if all that were timed have one.
+/// is the strategy as it is. By the device's timer if all that were timed have one. Those that
+/// could not be made have no samples and stay as they are.
 void compare_ablations(std::span<AblationRecord> records, uint64_t seed);
 
 /// Its time a run, and millions of rays (pixels) a second: by the device's timer where there is

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "compare/statistics.h"
+#include "compare/verdict.h"
 #include "core/error.h"
 
 namespace onepass {
@@ -327,6 +329,19 @@ std::string crossing(const std::vector<ClaimMeasurement>& measurements) {
     return text;
 }
 
+/// Why a side's speed is none; empty for what is no speed.
+std::string wrongness(const ClaimMeasurement& m) {
+    const bool is_speed = m.quantity == to_string(Quantity::time) ||
+                          m.quantity == to_string(Quantity::traffic) ||
+                          m.quantity == to_string(Quantity::bandwidth);
+    const auto most = static_cast<uint64_t>(kMostErrors * static_cast<double>(m.rays));
+    if (!is_speed || std::max(m.baseline_errors, m.variant_errors) <= most) return "";
+    const bool variant = m.variant_errors > most;
+    return fmt::format("{} errs on {} of {} rays: its speed means nothing",
+                       variant ? m.variant : m.baseline,
+                       variant ? m.variant_errors : m.baseline_errors, m.rays);
+}
+
 }  // namespace
 
 std::string_view to_string(Quantity quantity) {
@@ -381,12 +396,26 @@ const Claim& find_claim(const std::string& id) {
                  "'onepass reproduce --list' explains them."});
 }
 
+void summarise(ClaimMeasurement& m, uint64_t seed) {
+    if (m.failure.empty()) m.failure = wrongness(m);
+    if (!m.failure.empty()) return;
+    if (m.again_samples.empty()) {  // counted, not measured
+        const double a = m.baseline_samples.at(0), b = m.variant_samples.at(0);
+        m.ratio = a == b ? 1.0 : b / a;
+        m.ratio_low = m.ratio_high = m.ratio;
+    } else {
+        const RatioInterval r = ratio_of_medians(m.variant_samples, m.baseline_samples, seed);
+        m.ratio = r.ratio, m.ratio_low = r.low, m.ratio_high = r.high;
+        m.noise = noise_of(ratio_of_medians(m.again_samples, m.baseline_samples, seed));
+    }
+    m.verdict = verdict_of(m);
+}
+
 ClaimVerdict verdict_of(const ClaimMeasurement& m) {
     if (m.baseline_samples.empty() || m.variant_samples.empty() || std::isnan(m.ratio)) {
         return ClaimVerdict::not_measured;
     }
-    const double low = m.ratio_low / (1.0 + m.noise);
-    const double high = m.ratio_high * (1.0 + m.noise);
+    const auto [ratio, low, high] = widened({m.ratio, m.ratio_low, m.ratio_high}, m.noise);
     switch (m.expectation) {
         case Expectation::above:
             if (low > m.bound) return ClaimVerdict::holds;

@@ -104,6 +104,10 @@ const std::vector<Claim>& paper_claims();
 /// Throws: Error listing the ids for one that is none.
 const Claim& find_claim(const std::string& id);
 
+/// Fills a measurement's figures (ratio, interval, noise, verdict) from its samples; the failure of
+/// one whose sides err too much to have a speed.
+void summarise(ClaimMeasurement& measurement, uint64_t seed);
+
 /// Reads one measurement by kVerdictRule. `not_measured` without samples on both sides.
 ClaimVerdict verdict_of(const ClaimMeasurement& measurement);
 

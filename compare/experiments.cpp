@@ -12,7 +12,6 @@
 #include "compare/hits.h"
 #include "compare/manifest.h"
 #include "compare/rays.h"
-#include "compare/statistics.h"
 #include "core/error.h"
 #include "core/random.h"
 
@@ -389,39 +388,8 @@ class ExperimentRun {
                 }
             }
         }
-        for (size_t i = 0; i < measurements.size(); ++i) read(measurements[i]);
+        for (ClaimMeasurement& m : measurements) summarise(m, workshop_.timing.seed);
         refusals();
-    }
-
-    void read(ClaimMeasurement& m) const {
-        if (m.failure.empty()) m.failure = wrongness(m);
-        if (!m.failure.empty()) return;
-        const bool counted = m.again_samples.empty();
-        if (counted) {
-            const double a = m.baseline_samples.at(0), b = m.variant_samples.at(0);
-            m.ratio = a == b ? 1.0 : b / a;
-            m.ratio_low = m.ratio_high = m.ratio;
-        } else {
-            const uint64_t seed = workshop_.timing.seed;
-            const RatioInterval r = ratio_of_medians(m.variant_samples, m.baseline_samples, seed);
-            m.ratio = r.ratio, m.ratio_low = r.low, m.ratio_high = r.high;
-            const RatioInterval again = ratio_of_medians(m.again_samples, m.baseline_samples, seed);
-            m.noise = std::max(std::abs(again.low - 1.0), std::abs(again.high - 1.0));
-        }
-        m.verdict = verdict_of(m);
-    }
-
-    /// Why a side's speed is none; empty for what is no speed.
-    static std::string wrongness(const ClaimMeasurement& m) {
-        const bool is_speed = m.quantity == to_string(Quantity::time) ||
-                              m.quantity == to_string(Quantity::traffic) ||
-                              m.quantity == to_string(Quantity::bandwidth);
-        const auto most = static_cast<uint64_t>(kMostErrors * static_cast<double>(m.rays));
-        if (!is_speed || std::max(m.baseline_errors, m.variant_errors) <= most) return "";
-        const bool variant = m.variant_errors > most;
-        return fmt::format("{} errs on {} of {} rays: its speed means nothing",
-                           variant ? m.variant : m.baseline,
-                           variant ? m.variant_errors : m.baseline_errors, m.rays);
     }
 
     /// A variant that its own tracer refuses is an answer where being possible is the question.

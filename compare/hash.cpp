@@ -1,8 +1,12 @@
 #include "compare/hash.h"
 
+#include <array>
 #include <vector>
 
 #include <fmt/format.h>
+#include <openssl/evp.h>
+
+#include "core/error.h"
 
 namespace onepass {
 namespace {
@@ -71,6 +75,17 @@ void Fnv1a64::add(const void* bytes, size_t count) {
 }
 
 std::string hash_text(uint64_t hash) { return fmt::format("{:016x}", hash); }
+
+std::string sha256_text(std::string_view bytes) {
+    std::array<unsigned char, EVP_MAX_MD_SIZE> digest{};
+    unsigned length = 0;
+    const int done =
+        EVP_Digest(bytes.data(), bytes.size(), digest.data(), &length, EVP_sha256(), nullptr);
+    ONEPASS_CHECK_EQ(done, 1);
+    std::string text;
+    for (unsigned i = 0; i < length; ++i) text += fmt::format("{:02x}", digest[i]);
+    return text;
+}
 
 uint64_t hash_rays(std::span<const Ray> rays) {
     Fnv1a64 hash;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 
 #include "core/scene.h"
 #include "core/types.h"
@@ -23,6 +24,10 @@ class Fnv1a64 {
 
 /// 16 lower-case hexadecimal digits.
 std::string hash_text(uint64_t hash);
+
+/// SHA-256 of the bytes as 64 lower-case hexadecimal digits. For what an edit must not pass unseen;
+/// it does not tell who wrote the bytes.
+std::string sha256_text(std::string_view bytes);
 
 /// Hash of the rays' bytes, in order.
 uint64_t hash_rays(std::span<const Ray> rays);

@@ -51,24 +51,11 @@ void PartStore::save(const std::string& step, const Results& results) const {
 }
 
 void append_results(Results& results, const Results& part) {
-    const auto append = [](auto& all, const auto& more) {
-        all.insert(all.end(), more.begin(), more.end());
-    };
     if (results.manifest.judge.empty()) results.manifest.judge = part.manifest.judge;
-    append(results.scenes, part.scenes);
-    append(results.tracers, part.tracers);
-    append(results.checks, part.checks);
-    append(results.images, part.images);
-    append(results.timings, part.timings);
-    append(results.frame_timings, part.frame_timings);
-    append(results.claims, part.claims);
-    append(results.sweeps, part.sweeps);
-    append(results.ladders, part.ladders);
-    append(results.tradeoffs, part.tradeoffs);
-    append(results.paces, part.paces);
-    append(results.growth_builds, part.growth_builds);
-    append(results.growth_traces, part.growth_traces);
-    append(results.ablations, part.ablations);
+    for_each_list([&](const char*, auto list) {
+        const auto& more = part.*list;
+        (results.*list).insert((results.*list).end(), more.begin(), more.end());
+    });
 }
 
 }  // namespace onepass

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "compare/atomic_file.h"
+#include "compare/hash.h"
 #include "core/error.h"
 
 namespace onepass {
@@ -53,7 +54,8 @@ void fields(A& a, Deviation& d) {
 
 template <class A>
 void fields(A& a, TracerRecord& t) {
-    a("scene", t.scene), a("name", t.name), a("params", t.params), a("device", t.device);
+    a("scene", t.scene), a("name", t.name), a("params", t.params);
+    a("sizing", t.sizing), a("device", t.device);
     a("software_renderer", t.software_renderer), a("is_oracle", t.is_oracle);
     a("is_twin", t.is_twin), a("threads", t.threads), a("shader_hash", t.shader_hash);
     a("stats", t.stats), a("deviations", t.deviations);
@@ -125,12 +127,26 @@ void fields(A& a, ImageRecord& i) {
 }
 
 template <class A>
+void fields(A& a, CastCounts& c) {
+    a("cells", c.cells), a("tests", c.tests), a("references", c.references);
+    a("walked_rays", c.walked_rays), a("walked_tests", c.walked_tests);
+    a("repeated_tests", c.repeated_tests);
+}
+
+template <class A>
 void fields(A& a, TimingRecord& t) {
     a("scene", t.scene), a("rays", t.rays), a("ray_count", t.ray_count), a("tracer", t.tracer);
     a("oracle", t.oracle), a("wall_ms", t.wall_ms), a("device_ms", t.device_ms);
     a("oracle_wall_ms", t.oracle_wall_ms), a("median_ms", t.median_ms);
     a("mrays_per_s", t.mrays_per_s), a("ratio", t.ratio), a("ratio_low", t.ratio_low);
     a("ratio_high", t.ratio_high), a("errors", t.errors), a("edges", t.edges);
+    a("again_wall_ms", t.again_wall_ms), a("again_device_ms", t.again_device_ms);
+    a("counts", t.counts);
+}
+
+template <class A>
+void fields(A& a, BuildRecord& b) {
+    a("scene", b.scene), a("tracer", b.tracer), a("build_ms", b.build_ms);
 }
 
 template <class A>
@@ -169,10 +185,13 @@ template <class A>
 void fields(A& a, SweepPoint& p) {
     a("scene", p.scene), a("rays", p.rays), a("tracer", p.tracer);
     a("top_density", p.top_density), a("object_density", p.object_density);
+    a("resolution", p.resolution), a("sizes", p.sizes), a("chosen", p.chosen);
+    a("ray_count", p.ray_count);
     a("cells", p.cells), a("references", p.references), a("bytes", p.bytes);
     a("build_ms", p.build_ms), a("cells_per_ray", p.cells_per_ray);
     a("tests_per_ray", p.tests_per_ray), a("errors", p.errors), a("failure", p.failure);
-    a("wall_ms", p.wall_ms), a("ratio", p.ratio), a("ratio_low", p.ratio_low);
+    a("wall_ms", p.wall_ms), a("device_ms", p.device_ms);
+    a("oracle_wall_ms", p.oracle_wall_ms), a("ratio", p.ratio), a("ratio_low", p.ratio_low);
     a("ratio_high", p.ratio_high);
 }
 
@@ -240,13 +259,46 @@ void fields(A& a, AblationRecord& r) {
 }
 
 template <class A>
+void fields(A& a, PixelSheetRecord& s) {
+    a("scene", s.scene), a("width", s.width), a("height", s.height), a("pixels", s.pixels);
+    a("left_out", s.left_out), a("file", s.file), a("digest", s.digest);
+}
+
+template <class A>
+void fields(A& a, RefusalRecord& r) {
+    a("scene", r.scene), a("tracer", r.tracer), a("reason", r.reason);
+}
+
+template <class A>
+void fields(A& a, Shard& s) {
+    a("index", s.index), a("count", s.count);
+}
+
+template <class A>
+void fields(A& a, ListRows& l) {
+    a("list", l.list), a("rows", l.rows);
+}
+
+template <class A>
+void fields(A& a, StudyPoint& p) {
+    a("key", p.key), a("records", p.records);
+}
+
+template <class A>
+void fields(A& a, StudyPart& p) {
+    a("shard", p.shard), a("manifest", p.manifest);
+}
+
+template <class A>
+void fields(A& a, StudyRecord& s) {
+    a("shard", s.shard), a("keys", s.keys), a("points", s.points), a("parts", s.parts);
+}
+
+template <class A>
 void fields(A& a, Results& r) {
-    a("manifest", r.manifest), a("scenes", r.scenes), a("tracers", r.tracers);
-    a("checks", r.checks), a("images", r.images), a("timings", r.timings);
-    a("frame_timings", r.frame_timings), a("claims", r.claims), a("sweeps", r.sweeps);
-    a("ladders", r.ladders), a("tradeoffs", r.tradeoffs), a("paces", r.paces);
-    a("growth_builds", r.growth_builds), a("growth_traces", r.growth_traces);
-    a("ablations", r.ablations);
+    a("manifest", r.manifest);
+    for_each_list([&](const char* name, auto list) { a(name, r.*list); });
+    a("study", r.study);
 }
 
 // Enumerations are written as their names.
@@ -499,10 +551,41 @@ const RungRecord* breaks_at(const LadderRecord& ladder, const std::string& trace
     return nullptr;
 }
 
+namespace {
+
+constexpr const char* kDigest = "digest";
+
+std::string digest_of(const json& document) {
+    nlohmann::json sorted = document;
+    sorted.erase(kDigest);
+    return sha256_text(sorted.dump(-1, ' ', false, json::error_handler_t::replace));
+}
+
+json parsed(const std::string& text, const std::string& file_name) {
+    json document = json::parse(text, nullptr, false);
+    if (document.is_discarded()) {
+        throw Error({file_name, "text that is no JSON", "a result file of onepass",
+                     "Name a file written with --json."});
+    }
+    return document;
+}
+
+}  // namespace
+
 std::string to_json(const Results& results) {
     json document = {{"schema_version", Results::kSchemaVersion}};
     document.update(Writer::write(results));
+    document[kDigest] = digest_of(document);
     return document.dump(1) + "\n";
+}
+
+Seal seal_of(const std::string& text, const std::string& file_name) {
+    const json document = parsed(text, file_name);
+    if (!document.is_object()) {
+        throw Error({file_name, document.type_name(), "an object", "Name a file of onepass."});
+    }
+    const json stored = document.value(kDigest, json(""));
+    return {stored.is_string() ? stored.get<std::string>() : stored.dump(), digest_of(document)};
 }
 
 namespace {
@@ -516,23 +599,40 @@ void upgrade(json& document) {
     }
 }
 
-/// Lists that version 3 gained after its first files: those have none of them.
-void add_later_lists(json& document) {
-    for (const char* list : {"paces", "growth_builds", "growth_traces", "ablations"}) {
+/// What version 3 gained after its first files: those have none of it.
+void add_later_fields(json& document) {
+    for (const char* list : {"paces", "growth_builds", "growth_traces", "ablations", "pixel_sheets",
+                             "refusals", "builds"}) {
         if (!document.contains(list)) document[list] = json::array();
     }
+    if (!document.contains("study")) document["study"] = nullptr;
+}
+
+/// Fields that its records gained: empty in older files.
+void add_later_record_fields(json& document) {
+    const auto add = [&](const char* list, const char* field, const json& value) {
+        if (!document.contains(list)) return;
+        for (json& record : document[list]) {
+            if (record.is_object() && !record.contains(field)) record[field] = value;
+        }
+    };
+    add("tracers", "sizing", "");
+    for (const char* field : {"again_wall_ms", "again_device_ms"}) {
+        add("timings", field, json::array());
+    }
+    add("timings", "counts", nullptr);
+    for (const char* field : {"resolution", "sizes", "chosen"}) add("sweeps", field, "");
+    add("sweeps", "ray_count", 0u);
+    for (const char* field : {"device_ms", "oracle_wall_ms"}) add("sweeps", field, json::array());
 }
 
 }  // namespace
 
 Results results_from_json(const std::string& text, const std::string& file_name) {
-    json document = json::parse(text, nullptr, false);
-    if (document.is_discarded()) {
-        throw Error({file_name, "text that is no JSON", "a result file of onepass",
-                     "Name a file written with --json."});
-    }
+    json document = parsed(text, file_name);
+    if (document.is_object()) document.erase(kDigest);
     if (document.is_object() && document.value("schema_version", json()) == 2) upgrade(document);
-    if (document.is_object()) add_later_lists(document);
+    if (document.is_object()) add_later_fields(document), add_later_record_fields(document);
     Reader reader(document, file_name, "");
     int version = 0;
     reader("schema_version", version);

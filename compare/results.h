@@ -54,6 +54,7 @@ struct TracerRecord {
     std::string scene;
     std::string name;    ///< strategy/storage/entry
     ParamValues params;  ///< all of them, defaults included
+    std::string sizing;  ///< "auto" or the sizing file that chose the grids' sizes; else empty
     std::string device;
     bool software_renderer = false;
     bool is_oracle = false;
@@ -133,6 +134,18 @@ struct ImageRecord {
     std::vector<std::pair<std::string, std::string>> pictures;
 };
 
+/// What one cast of a ray set did, counted in a pass of its own: no timed cast counts.
+struct CastCounts {
+    uint64_t cells = 0;       ///< visited by all rays, as RayCounters
+    uint64_t tests = 0;       ///< ray-triangle tests
+    uint64_t references = 0;  ///< list entries read
+    /// Of this many of the rays, evenly spread, it is known which triangles they tested; 0 where a
+    /// tracer does not tell its way (Capabilities::walks).
+    uint64_t walked_rays = 0;
+    uint64_t walked_tests = 0;    ///< of these rays
+    uint64_t repeated_tests = 0;  ///< of these tests, those of a triangle that the ray had tested
+};
+
 /// One tracer's timed casts of one ray set. Samples are in run order.
 struct TimingRecord {
     std::string scene;
@@ -150,6 +163,19 @@ struct TimingRecord {
     double ratio_high = 0.0;
     uint64_t errors = 0;  ///< CheckRecord::errors() on the same rays, this run
     uint64_t edges = 0;   ///< its `edge` count
+    /// Of a second cast in each round, where this tracer had an identical rival
+    /// (compare/verdict.h); else empty.
+    std::vector<double> again_wall_ms{};
+    std::vector<double> again_device_ms{};
+    std::optional<CastCounts> counts{};  ///< absent where the tracer does not count
+};
+
+/// How long a tracer takes before its first ray, build by build: structure and packing. Neither the
+/// compiling of shaders nor the way to the device is in it.
+struct BuildRecord {
+    std::string scene;
+    std::string tracer;
+    std::vector<double> build_ms;
 };
 
 /// Rendered frames, timed: all rays of an image, as the paper's frame rates count.
@@ -239,6 +265,10 @@ struct SweepPoint {
     std::string tracer;
     double top_density = 0.0;
     double object_density = 0.0;
+    std::string resolution;  ///< "64x32x32", of every object grid instead of a density; or empty
+    std::string sizes;       ///< each object's own, as the parameter `sizes` takes them; or empty
+    std::string chosen;      ///< how this size came to be measured (compare/tuning.h)
+    uint64_t ray_count = 0;
     uint64_t cells = 0;  ///< of all grids
     uint64_t references = 0;
     uint64_t bytes = 0;  ///< on the device
@@ -246,9 +276,11 @@ struct SweepPoint {
     double cells_per_ray = 0.0;  ///< from a separate, counted pass
     double tests_per_ray = 0.0;
     uint64_t errors = 0;
-    std::string failure;          ///< why this size could not be built; else empty
-    std::vector<double> wall_ms;  ///< empty after a failure
-    double ratio = 0.0;           ///< as in TimingRecord
+    std::string failure;                 ///< why this size could not be built; else empty
+    std::vector<double> wall_ms;         ///< empty after a failure
+    std::vector<double> device_ms;       ///< empty where the device has no timer to trust
+    std::vector<double> oracle_wall_ms;  ///< of the same rounds
+    double ratio = 0.0;                  ///< as in TimingRecord
     double ratio_low = 0.0;
     double ratio_high = 0.0;
 };
@@ -380,6 +412,59 @@ struct AblationRecord {
     std::string failure;  ///< why it could not be made; else empty
 };
 
+/// A bounded set of an image's pixels with every tracer's answer to each: what the page's inspector
+/// reads. The answers lie in a file of their own (compare/pixels.h).
+struct PixelSheetRecord {
+    std::string scene;
+    uint32_t width = 0;
+    uint32_t height = 0;
+    uint64_t pixels = 0;
+    uint64_t left_out = 0;  ///< pixels with an answer that is not `agree` for which was no room
+    std::string file;       ///< as ImageRecord::pictures
+    std::string digest;     ///< SHA-256 of that file
+};
+
+/// A strategy that could not take a scene.
+struct RefusalRecord {
+    std::string scene;
+    std::string tracer;
+    std::string reason;
+};
+
+/// A share of a study's points: every `count`-th, from the `index`-th on.
+struct Shard {
+    uint32_t index = 1;  ///< 1 to count
+    uint32_t count = 1;
+
+    bool operator==(const Shard&) const = default;
+};
+
+/// Rows of one list of Results.
+struct ListRows {
+    std::string list;
+    std::vector<uint32_t> rows;
+};
+
+/// A finished point of a study, and which records are its own.
+struct StudyPoint {
+    std::string key;
+    std::vector<ListRows> records;
+};
+
+/// One of the runs that were merged: each measured its own points on its own machine.
+struct StudyPart {
+    Shard shard;
+    Manifest manifest;
+};
+
+/// A run that is made of points, each finished as a whole; see compare/study.h.
+struct StudyRecord {
+    Shard shard;
+    std::vector<std::string> keys;   ///< of all points of all shards, in order
+    std::vector<StudyPoint> points;  ///< the finished ones, in order
+    std::vector<StudyPart> parts;    ///< of a merged file, by shard; else empty
+};
+
 struct Results {
     static constexpr int kSchemaVersion = 3;
     Manifest manifest;
@@ -397,15 +482,46 @@ struct Results {
     std::vector<GrowthBuild> growth_builds;
     std::vector<GrowthTrace> growth_traces;
     std::vector<AblationRecord> ablations;
+    std::vector<PixelSheetRecord> pixel_sheets;
+    std::vector<RefusalRecord> refusals;
+    std::vector<BuildRecord> builds;
+    std::optional<StudyRecord> study;  ///< absent where the run is not made of points
 };
 
-/// JSON text of a run. Infinities are the strings "inf" and "-inf", NaN is null; all else reads
-/// back as the very value that was written.
+/// Calls visit(name, &Results::list) for every list of records, in the order of the file.
+template <class Visit>
+void for_each_list(Visit&& visit) {
+    visit("scenes", &Results::scenes), visit("tracers", &Results::tracers);
+    visit("checks", &Results::checks), visit("images", &Results::images);
+    visit("timings", &Results::timings), visit("frame_timings", &Results::frame_timings);
+    visit("claims", &Results::claims), visit("sweeps", &Results::sweeps);
+    visit("ladders", &Results::ladders), visit("tradeoffs", &Results::tradeoffs);
+    visit("paces", &Results::paces), visit("growth_builds", &Results::growth_builds);
+    visit("growth_traces", &Results::growth_traces), visit("ablations", &Results::ablations);
+    visit("pixel_sheets", &Results::pixel_sheets), visit("refusals", &Results::refusals);
+    visit("builds", &Results::builds);
+}
+
+/// JSON text of a run, closed by a digest of all the rest. Infinities are the strings "inf" and
+/// "-inf", NaN is null; all else reads back as the very value that was written.
 std::string to_json(const Results& results);
 
 /// Throws: Error naming the file and the field for text that is not a Results of this version: no
 /// JSON, another version, a field that is missing, unknown or of another type.
 Results results_from_json(const std::string& text, const std::string& file_name);
+
+/// The digest that a result file holds, and the one that its content has.
+///
+/// SHA-256 of all members but the digest itself, as JSON without blanks and with sorted keys: what
+/// a record means decides, not how the file is laid out, and a new record type is covered at once.
+struct Seal {
+    std::string stored;  ///< "" in a file from before there were digests
+    std::string derived;
+
+    bool intact() const { return stored == derived; }
+};
+/// Throws: Error for text that is no JSON object.
+Seal seal_of(const std::string& text, const std::string& file_name);
 
 /// Written whole or not at all: temporary file, then rename. "-" writes to standard output.
 void write_results(const Results& results, const std::filesystem::path& path);

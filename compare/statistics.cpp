@@ -20,13 +20,13 @@ double median(std::span<const double> samples) { return quantile(samples, 0.5); 
 
 double quantile(std::span<const double> samples, double share) {
     if (samples.empty()) return kNoValue;
-    std::vector<double> sorted(samples.begin(), samples.end());
-    std::sort(sorted.begin(), sorted.end());
-    const double place = share * static_cast<double>(sorted.size() - 1);
-    const size_t below = static_cast<size_t>(place);
-    const size_t above = std::min(below + 1, sorted.size() - 1);
-    const double weight = place - static_cast<double>(below);
-    return sorted[below] * (1.0 - weight) + sorted[above] * weight;
+    std::vector<double> values(samples.begin(), samples.end());
+    const double place = share * static_cast<double>(values.size() - 1);
+    const auto below = values.begin() + static_cast<ptrdiff_t>(place);
+    const double weight = place - std::floor(place);
+    std::nth_element(values.begin(), below, values.end());
+    const auto above = std::min_element(below + 1, values.end());  // all there are not below it
+    return *below * (1.0 - weight) + (above == values.end() ? *below : *above) * weight;
 }
 
 RatioInterval ratio_of_medians(std::span<const double> numerator,
@@ -48,6 +48,22 @@ RatioInterval ratio_of_medians(std::span<const double> numerator,
     }
     return {median(numerator) / median(denominator), quantile(ratios, 0.025),
             quantile(ratios, 0.975)};
+}
+
+RatioInterval median_of_ratios(std::span<const double> numerator,
+                               std::span<const double> denominator, uint64_t seed) {
+    ONEPASS_CHECK_EQ(numerator.size(), denominator.size());
+    const size_t rounds = numerator.size();
+    if (rounds == 0) return {kNoValue, kNoValue, kNoValue};
+
+    std::vector<double> of_rounds(rounds), drawn(rounds), medians(kBootstrapResamples);
+    for (size_t i = 0; i < rounds; ++i) of_rounds[i] = numerator[i] / denominator[i];
+    Random random(seed);
+    for (double& middle : medians) {
+        for (double& ratio : drawn) ratio = of_rounds[random.below(rounds)];
+        middle = median(drawn);
+    }
+    return {median(of_rounds), quantile(medians, 0.025), quantile(medians, 0.975)};
 }
 
 PowerLaw fit_power(std::span<const double> x, std::span<const double> y) {

@@ -30,6 +30,16 @@ inline constexpr int kBootstrapResamples = 2000;
 RatioInterval ratio_of_medians(std::span<const double> numerator,
                                std::span<const double> denominator, uint64_t seed);
 
+/// The median of numerator[i] / denominator[i], and its percentile bootstrap interval.
+///
+/// Paired by round, and more so than ratio_of_medians: what slows a whole round down leaves its
+/// ratio alone, however heavy the noise's tails and however slow its drift. For samples that take
+/// turns in random order the interval needs no model of the noise: of two that are alike each is
+/// as likely to be the slower one in a round, whatever else goes on, and the interval of a median
+/// ends on order statistics, as that of the sign test. Else as ratio_of_medians.
+RatioInterval median_of_ratios(std::span<const double> numerator,
+                               std::span<const double> denominator, uint64_t seed);
+
 /// y = factor * x^exponent.
 struct PowerLaw {
     double exponent = 0.0;

@@ -105,10 +105,13 @@ std::vector<TimingRecord> time_casts(std::span<Tracer* const> tracers, size_t or
                                      const std::function<void(const WarmUp&)>& warmed) {
     check_repetitions(options);
     ONEPASS_CHECK_LT(oracle, tracers.size());
+    if (options.rival) ONEPASS_CHECK_LT(options.rival->of, tracers.size());
 
-    // Upload, once.
+    // Upload, once. A rival comes last.
+    std::vector<Tracer*> taking_part(tracers.begin(), tracers.end());
+    if (options.rival) taking_part.push_back(options.rival->tracer);
     std::vector<Contestant> contestants;
-    for (Tracer* tracer : tracers) {
+    for (Tracer* tracer : taking_part) {
         contestants.push_back({.tracer = tracer,
                                .batch = tracer->upload(rays.rays),
                                .on_device = tracer->capabilities().device_timer,
@@ -141,7 +144,8 @@ std::vector<TimingRecord> time_casts(std::span<Tracer* const> tracers, size_t or
 
     // Sum up.
     std::vector<TimingRecord> records;
-    for (const Contestant& contestant : contestants) {
+    for (size_t i = 0; i < tracers.size(); ++i) {
+        const Contestant& contestant = contestants[i];
         TimingRecord& record = records.emplace_back();
         record.rays = rays.name;
         record.ray_count = rays.rays.size();
@@ -152,6 +156,11 @@ std::vector<TimingRecord> time_casts(std::span<Tracer* const> tracers, size_t or
         record.oracle_wall_ms = contestants[oracle].wall_ms;
         record.oracle_wall_ms.resize(record.wall_ms.size());  // who leaves early was there before
         summarise(record, options.seed);
+    }
+    if (options.rival) {
+        TimingRecord& record = records[options.rival->of];
+        record.again_wall_ms = std::move(contestants.back().wall_ms);
+        record.again_device_ms = std::move(contestants.back().device_ms);
     }
     return records;
 }

@@ -28,6 +28,14 @@ struct Steadiness {
     double at_most_ms = 20e3;  ///< after this long, what it is has to do
 };
 
+/// One that should be as fast as `tracers[of]`, to the last cast: the same strategy, built apart.
+/// Its samples become that record's again_*. The same tracer cast twice would not do: each cast
+/// finds in the caches what the other left there, and both get faster than all others.
+struct Rival {
+    size_t of = 0;
+    Tracer* tracer = nullptr;
+};
+
 struct TimingOptions {
     uint32_t repetitions = 11;    ///< counted rounds; at least kLeastRepetitions
     uint32_t warm_up_rounds = 2;  ///< uncounted rounds, at least
@@ -37,6 +45,7 @@ struct TimingOptions {
     /// oracle takes part in every round.
     double enough_ms = std::numeric_limits<double>::infinity();
     Steadiness steadiness{};  ///< asked of tracers with a device timer
+    std::optional<Rival> rival{};
 };
 
 /// Throws: Error for fewer than kLeastRepetitions.
@@ -57,6 +66,7 @@ struct WarmUp {
 /// tracer, so that neither clock nor caches remember how long the CPU's tracers took before it.
 /// `warmed` is called once, between the warm-up and the first counted cast.
 /// Records come in the order of `tracers`; the ratio is to `tracers[oracle]`, paired by round.
+/// The rival takes its turn like any other.
 /// Names of scene and errors are the caller's. Stopped early, the records hold the whole rounds so
 /// far. Throws: Error for fewer than kLeastRepetitions; what the tracers' upload throws.
 std::vector<TimingRecord> time_casts(std::span<Tracer* const> tracers, size_t oracle,

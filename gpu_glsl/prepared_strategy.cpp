@@ -1,7 +1,6 @@
 #include "gpu_glsl/prepared_strategy.h"
 
 #include <algorithm>
-#include <charconv>
 #include <chrono>
 #include <iterator>
 #include <optional>
@@ -28,6 +27,19 @@ double ms_since(std::chrono::steady_clock::time_point start) {
 
 // ---- The two-level grid in 2D and 3D textures --------------------------------------------------
 
+/// One size for all objects is the rule; what a scene of unlike objects wants is its exception.
+constexpr char kSameSize[] = "same";
+
+ParamInfo object_sizes_param(const std::string& form) {
+    return {"sizes",
+            ParamInfo::Type::text,
+            kSameSize,
+            fmt::format("the object grids' own sizes, one an object in the scene's order, by "
+                        "commas: {}; same: one size for all",
+                        form),
+            {}};
+}
+
 std::vector<ParamInfo> two_level_sizing_params() {
     using Type = ParamInfo::Type;
     const TwoLevelSizing sizing;
@@ -47,6 +59,7 @@ std::vector<ParamInfo> two_level_sizing_params() {
          "auto",
          "cells of every object grid, XxYxZ; overrides density",
          {}},
+        object_sizes_param("density or XxYxZ"),
         {"top_resolution",
          Type::text,
          "auto",
@@ -84,22 +97,24 @@ std::vector<ParamInfo> two_level_texture_params() {
 }
 
 /// "auto", or three cell counts.
-std::optional<uvec3> parse_resolution(const Params& params, const std::string& name) {
+std::optional<uvec3> explicit_resolution(const Params& params, const std::string& name) {
     const std::string& text = params.text(name);
     if (text == "auto") return std::nullopt;
-    uvec3 resolution(0);
-    const char* at = text.data();
-    const char* const end = at + text.size();
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto [next, status] = std::from_chars(at, end, resolution[axis]);
-        const bool last = axis == 2;
-        if (status != std::errc() || (last ? next != end : next == end || *next != 'x')) {
-            throw Error({"--param " + name, "'" + text + "'", "auto, or cells as XxYxZ",
-                         "Write for example --param " + name + "=32x32x32."});
-        }
-        at = next + 1;
+    return parse_resolution(text, "--param " + name);
+}
+
+/// Empty: one size for all.
+std::vector<GridSizing> object_sizes(const Params& params) {
+    std::vector<GridSizing> sizes;
+    const std::string& text = params.text("sizes");
+    if (text == kSameSize) return sizes;
+    for (size_t at = 0; at <= text.size();) {
+        const size_t end = std::min(text.find(',', at), text.size());
+        sizes.push_back(
+            parse_grid_sizing(std::string_view(text).substr(at, end - at), "--param sizes"));
+        at = end + 1;
     }
-    return resolution;
+    return sizes;
 }
 
 double positive(const Params& params, const std::string& name) {
@@ -153,9 +168,10 @@ TrianglePlanesOptions triangle_options(const Params& params) {
 TwoLevelSizing two_level_sizing(const Params& params) {
     TwoLevelSizing sizing;
     sizing.object.density = positive(params, "density");
-    sizing.object.resolution = parse_resolution(params, "resolution");
+    sizing.object.resolution = explicit_resolution(params, "resolution");
+    sizing.objects = object_sizes(params);
     sizing.top.density = positive(params, "top_density");
-    sizing.top.resolution = parse_resolution(params, "top_resolution");
+    sizing.top.resolution = explicit_resolution(params, "top_resolution");
     return sizing;
 }
 
@@ -272,6 +288,7 @@ std::vector<ParamInfo> irregular_grid_params() {
          fmt::format("{}", settings.density),
          "cells per triangle where a cell is divided (lambda)",
          {}},
+        object_sizes_param("density"),
         {"cell_cost",
          Type::real,
          fmt::format("{}", settings.cell_cost),
@@ -298,7 +315,16 @@ void pack_irregular_grid(PreparedStrategy& prepared, const TextureLimits& limits
         .cell_cost = positive(params, "cell_cost"),
         .expansions = static_cast<uint32_t>(std::clamp(params.integer("expansions"), 0L, 64L))};
     const GridSizing top{.density = positive(params, "top_density")};
-    TwoLevelIrregularGrid grid = build_two_level_irregular_grid(*prepared.scene, settings, top);
+    std::vector<double> densities;
+    for (const GridSizing& size : object_sizes(params)) {
+        if (size.resolution) {
+            throw Error({"--param sizes", to_text(size), "densities, for irregular grids",
+                         "Write for example 1,2,1."});
+        }
+        densities.push_back(size.density);
+    }
+    TwoLevelIrregularGrid grid =
+        build_two_level_irregular_grid(*prepared.scene, settings, top, densities);
     const auto start = std::chrono::steady_clock::now();
     const auto object_builds = static_cast<double>(grid.objects.size());
     const double build_ms = grid.build_ms;
@@ -473,8 +499,9 @@ std::vector<ivec3> cells_of_triangle(const PreparedStrategy& prepared, uint32_t 
     if (prepared.info.structure != "two_level_grid") return {};
     const Scene& scene = *prepared.scene;
     const bool drops_duplicates = prepared.storage == "buffer" || prepared.storage == "ssbo";
+    const uint32_t object = scene.instances[inst_id].object;
     const UniformGrid grid = build_triangle_grid(
-        scene.objects[scene.instances[inst_id].object], two_level_sizing(prepared.params).object,
+        scene.objects[object], two_level_sizing(prepared.params).of_object(object),
         drops_duplicates ? Duplicates::dropped : Duplicates::kept);
     std::vector<ivec3> cells;
     uvec3 cell(0);

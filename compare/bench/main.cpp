@@ -1,4 +1,9 @@
 // `onepass_bench`: Google Benchmark with its usual flags (--help lists them).
+//
+// Two commits are compared by Google's compare.py (Debian's libbenchmark-tools): build both, run
+// each with --benchmark_repetitions=9 --benchmark_out=FILE, then `compare.py benchmarks A B`. The
+// times of two runs share no round: what it calls different is to be looked at with the counter
+// ratio_to_embree_commit, which is of one run.
 #include <cstdio>
 
 #include <benchmark/benchmark.h>

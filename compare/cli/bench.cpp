@@ -1,20 +1,25 @@
 // onepass bench: speed beside Embree's in the same rounds, and never without its error counts.
 #include <algorithm>
-#include <cmath>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include "compare/atomic_file.h"
+#include "compare/cast_counts.h"
 #include "compare/cli/bench_ablation.h"
+#include "compare/cli/bench_self_test.h"
 #include "compare/cli/bench_settings.h"
+#include "compare/cli/bench_tables.h"
 #include "compare/cli/commands.h"
 #include "compare/cli/options.h"
 #include "compare/cli/progress_bar.h"
-#include "compare/cli/table.h"
+#include "compare/cli/sizing.h"
+#include "compare/cli/study_run.h"
 #include "compare/manifest.h"
-#include "compare/statistics.h"
+#include "compare/time_to_image.h"
 #include "compare/timing.h"
+#include "core/error.h"
 
 namespace onepass::cli {
 namespace {
@@ -22,6 +27,7 @@ namespace {
 struct BenchCommand {
     std::vector<std::string> scenes;
     StrategyOptions strategy;
+    SizingOptions sizing;
     RayOptions rays{{"primary", "random"}, "512x512", 0};
     std::vector<std::string> references = {"embree/*/threads", "embree/*/1thread"};
     TimingOptions timing;
@@ -29,7 +35,10 @@ struct BenchCommand {
     bool settings = false;
     std::string entry = "fragment";
     std::string ablate;
-    std::string json;
+    std::string versus;
+    bool self_test = false;
+    uint32_t comparisons = 100;
+    StudyOptions study;
 };
 
 /// The references first, the oracle in front of them, then what was asked for.
@@ -53,55 +62,23 @@ std::vector<SelectedStrategy> contestants(const Session& session, const BenchCom
     return all;
 }
 
-std::string timing_table(const std::vector<TimingRecord>& records) {
-    const TimingRecord& first = records.front();
-    std::string text =
-        fmt::format("{}, {} rays: {} rays, {} rounds; ratio is speed relative to {}\n", first.scene,
-                    first.rays, first.ray_count, first.wall_ms.size(), first.oracle);
-    std::vector<std::vector<std::string>> rows = {{"tracer", "Mrays/s", "median ms", "quartiles ms",
-                                                   "ratio", "95 % interval", "device Mrays/s",
-                                                   "device ms", "device ratio", "95 % interval",
-                                                   "rounds", "errors", "edge"}};
-    for (const TimingRecord& record : records) {
-        const DeviceSpeed device = device_speed(record, 0);
-        const auto if_timed = [&](const std::string& figure) {
-            return std::isnan(device.median_ms) ? "-" : figure;
-        };
-        rows.push_back(
-            {record.tracer, fmt::format("{:.3f}", record.mrays_per_s),
-             fmt::format("{:.2f}", record.median_ms),
-             fmt::format("{:.2f}..{:.2f}", quantile(record.wall_ms, 0.25),
-                         quantile(record.wall_ms, 0.75)),
-             fmt::format("{:.3f}", record.ratio),
-             fmt::format("{:.3f}..{:.3f}", record.ratio_low, record.ratio_high),
-             if_timed(fmt::format("{:.1f}", device.mrays_per_s)),
-             if_timed(fmt::format("{:.4f}", device.median_ms)),
-             if_timed(fmt::format("{:.3f}", device.ratio.ratio)),
-             if_timed(fmt::format("{:.3f}..{:.3f}", device.ratio.low, device.ratio.high)),
-             std::to_string(record.wall_ms.size()), std::to_string(record.errors),
-             std::to_string(record.edges)});
-    }
-    return text + format_table(rows);
+/// Which contestant gets a rival, and is what the others are held against in pairs: --versus, else
+/// the first that -s asks for.
+size_t baseline_among(const std::vector<SelectedStrategy>& selected, const Session& session,
+                      const BenchCommand& options) {
+    const CatalogueEntry* wanted =
+        options.versus.empty()
+            ? select_strategies(session.catalogue, options.strategy).front().entry
+            : session.catalogue.select(options.versus).front();
+    const auto found = std::find_if(selected.begin(), selected.end(),
+                                    [&](const auto& s) { return s.entry == wanted; });
+    if (found != selected.end()) return static_cast<size_t>(found - selected.begin());
+    throw Error({"--versus", "'" + options.versus + "'", "a tracer that is timed",
+                 "Name it with -s or --reference as well."});
 }
 
-std::string clock_text(const std::optional<ClockReading>& clocks) {
-    return clocks ? fmt::format("SM {:.0f} MHz, memory {:.0f} MHz, {:.0f} C", clocks->sm_mhz,
-                                clocks->memory_mhz, clocks->temperature_c)
-                  : "-";
-}
-
-/// Whether the device held its pace, and at which clocks.
-std::string pace_text(const PaceRecord& pace) {
-    std::string text = fmt::format(
-        "  warm-up: {} rounds, {:.1f} s, until the pace of the device changed by {:.2f} %{}\n",
-        pace.warm_up_rounds, 1e-3 * pace.warm_up_ms, 100.0 * pace.change,
-        pace.steady ? "" : ": NOT STEADY");
-    return text + fmt::format("  clocks ({}): before {}; after {}\n", pace.clocks_of,
-                              clock_text(pace.before), clock_text(pace.after));
-}
-
-/// Checks, then times, all contestants on one ray set.
-void bench_case(Session& session, const Court& court, const Case& subject,
+/// Checks, counts, then times, all contestants on one ray set. False if it was stopped on the way.
+bool bench_case(Session& session, const Court& court, const Case& subject,
                 const std::vector<Tracer*>& tracers, const TimingOptions& timing,
                 const Progress& progress, Results& results) {
     std::vector<CastResult> answers;
@@ -116,86 +93,96 @@ void bench_case(Session& session, const Court& court, const Case& subject,
         checks.push_back(std::move(comparison.record));
         checks.back().reference = checks.back().tracer.starts_with("embree/");
     }
+    std::vector<std::optional<CastCounts>> counts;
+    for (Tracer* tracer : tracers) counts.push_back(count_cast(*tracer, subject.rays));
     PacedTimings paced =
         time_with_pace(tracers, 0, subject.rays, timing, session.device_clocks(), progress);
+    if (stop_requested()) return false;
     std::vector<TimingRecord>& timings = paced.timings;
-    if (timings.front().wall_ms.empty()) return;  // stopped before its first round
     for (size_t i = 0; i < timings.size(); ++i) {
         timings[i].scene = court.open.name;
         timings[i].errors = checks[i].errors();
         timings[i].edges = checks[i].classes[static_cast<size_t>(HitClass::edge)].count;
+        timings[i].counts = counts[i];
     }
     results.checks.insert(results.checks.end(), checks.begin(), checks.end());
     results.timings.insert(results.timings.end(), timings.begin(), timings.end());
-    if (!paced.pace) return;
+    if (!paced.pace) return true;
     paced.pace->scene = court.open.name;
     results.paces.push_back(std::move(*paced.pace));
+    return true;
 }
 
+/// The scene's points that the study needs.
 void bench_scene(Session& session, const BenchCommand& options, const std::string& name,
-                 const std::vector<SelectedStrategy>& selected, const Progress& progress,
-                 Results& results) {
+                 const std::vector<SelectedStrategy>& selected, ProgressBar& bar, Study& study) {
+    std::vector<std::string> kinds = options.rays.kinds;
+    std::erase_if(kinds, [&](const auto& kind) { return !study.needs(case_key(name, kind)); });
+    if (kinds.empty()) return;
     const ImageSize size = parse_size(options.rays.size);
     const RayRequest request{size.width, size.height, options.rays.camera, session.globals.seed};
 
+    // What the points share.
     Court court = open_court(session, name);
-    results.manifest.judge = court.judge->name();
-    results.scenes.push_back(court.open.record);
+    study.check_scene(court.open.record);
+    Results shared;
+    shared.manifest.judge = court.judge->name();
+    shared.scenes.push_back(court.open.record);
     std::vector<std::unique_ptr<Tracer>> owned;
     std::vector<Tracer*> tracers;
-    for (const auto& [entry, params] : selected) {
-        owned.push_back(entry->make(court.open.scene, params));
+    const std::vector<SelectedStrategy> scene_sized = sized(
+        session, court.open, selected, options.sizing, options.rays.kinds, options.rays.camera);
+    for (const auto& [entry, params] : scene_sized) {
+        BuiltTracer built = build_repeatedly(*entry, court.open.scene, params);
+        shared.builds.push_back({name, entry->info.name, std::move(built.build_ms)});
+        owned.push_back(std::move(built.tracer));
         tracers.push_back(owned.back().get());
-        results.tracers.push_back(make_tracer_record(name, *tracers.back(), entry->info, params));
+        shared.tracers.push_back(make_tracer_record(name, *tracers.back(), entry->info, params));
+        shared.tracers.back().sizing = sizing_name(entry->info, options.sizing);
     }
 
-    const double kinds = static_cast<double>(options.rays.kinds.size());
-    for (size_t k = 0; k < options.rays.kinds.size(); ++k) {
-        const double begin = static_cast<double>(k) / kinds;
-        const Progress part = [&](double done) { return go_on(progress, begin + done / kinds); };
-        if (!part(0.0)) return;
-        const Case subject = open_case(court, options.rays.kinds[k], request);
-        bench_case(session, court, subject, tracers, options.timing, part, results);
-    }
-}
+    const size_t baseline = baseline_among(scene_sized, session, options);
+    const std::unique_ptr<Tracer> rival =
+        scene_sized[baseline].entry->make(court.open.scene, scene_sized[baseline].params);
+    TimingOptions timing = options.timing;
+    timing.rival = Rival{baseline, rival.get()};
 
-void print(const Results& results, std::FILE* out) {
-    for (size_t begin = 0; begin < results.timings.size();) {
-        const TimingRecord& first = results.timings[begin];
-        std::vector<TimingRecord> group;
-        for (; begin < results.timings.size(); ++begin) {
-            const TimingRecord& record = results.timings[begin];
-            if (record.scene != first.scene || record.rays != first.rays) break;
-            group.push_back(record);
+    for (const std::string& kind : kinds) {
+        if (stop_requested()) return;
+        const Case subject = open_case(court, kind, request);
+        Results point = shared;
+        if (!bench_case(session, court, subject, tracers, timing, next_point(bar, study), point)) {
+            return;
         }
-        fmt::print(out, "{}", timing_table(group));
-        for (const PaceRecord& pace : results.paces) {
-            if (pace.scene != first.scene || pace.rays != first.rays) continue;
-            fmt::print(out, "{}", pace_text(pace));
-        }
+        study.add(case_key(name, kind), std::move(point));
     }
-    fmt::print(out, "judge of the errors: {}\n", results.manifest.judge);
 }
 
 void run(Session& session, BenchCommand& options) {
-    if (!options.json.empty() && options.json != "-") check_writable(options.json);
+    check_scene_names(options.scenes);
     parse_size(options.rays.size);
     options.timing.seed = session.globals.seed;
     options.timing.enough_ms = 1e3 * options.enough_s;
+    check_repetitions(options.timing);
     const std::vector<SelectedStrategy> selected = contestants(session, options);
+    std::vector<const CatalogueEntry*> entries;
+    for (const SelectedStrategy& strategy : selected) entries.push_back(strategy.entry);
+    std::vector<std::string> keys;
+    for (const std::string& scene : options.scenes) {
+        for (const std::string& kind : options.rays.kinds) keys.push_back(case_key(scene, kind));
+    }
 
-    Results results;
+    Study study = open_study(session, options.study, std::move(keys), entries);
     {
         ProgressBar bar("bench");
-        const double scenes = static_cast<double>(options.scenes.size());
-        for (size_t i = 0; i < options.scenes.size() && !stop_requested(); ++i) {
-            const double begin = static_cast<double>(i) / scenes;
-            bench_scene(session, options, options.scenes[i], selected,
-                        bar.part(begin, begin + 1.0 / scenes), results);
+        for (const std::string& scene : options.scenes) {
+            if (stop_requested()) break;
+            bench_scene(session, options, scene, selected, bar, study);
         }
     }
-    print(results, table_stream(options.json));
-    finish(session, results, options.json, stop_requested());
+    Results results = study.results();
+    print_bench(results, table_stream(options.study.json));
+    finish_study(session, study, results, options.study);
 }
 
 }  // namespace
@@ -206,6 +193,7 @@ void add_bench(CLI::App& app, Session& session) {
     auto options = std::make_shared<BenchCommand>();
     command->add_option("scenes", options->scenes, "Scene names or files")->required();
     add_strategy_options(*command, options->strategy);
+    add_sizing_options(*command, options->sizing);
     add_ray_options(*command, options->rays);
     command
         ->add_flag("--settings", options->settings,
@@ -223,6 +211,27 @@ void add_bench(CLI::App& app, Session& session) {
         ->excludes("--strategy")
         ->excludes("--param")
         ->excludes("--settings");
+    command->get_option("--sizing")->excludes("--settings")->excludes("--ablate");
+    command
+        ->add_option("--versus", options->versus,
+                     "The tracer that the others are held against in pairs, and that is cast a "
+                     "second time a round to measure the noise. Default: the first of -s")
+        ->type_name("NAME")
+        ->excludes("--settings")
+        ->excludes("--ablate");
+    command
+        ->add_flag("--self-test", options->self_test,
+                   fmt::format("Puts the timing itself on trial with the first of -s: how often "
+                               "equals are called different, and the strategy slowed by a "
+                               "twentieth is found; unless given, {}, size {}, {} rounds",
+                               kSelfTestStrategy, kSelfTestSize, kSelfTestRounds))
+        ->excludes("--sizing")
+        ->excludes("--settings")
+        ->excludes("--ablate");
+    command->add_option("--comparisons", options->comparisons, "Of --self-test")
+        ->check(CLI::PositiveNumber)
+        ->needs("--self-test")
+        ->capture_default_str();
     command->add_option("--entry", options->entry, "Of --settings: fragment or compute")
         ->check(CLI::IsMember({"fragment", "compute"}))
         ->needs("--settings")
@@ -254,19 +263,31 @@ void add_bench(CLI::App& app, Session& session) {
                      "they go on until its pace is steady")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    command->add_option("--json", options->json, "Writes the results; '-' is standard output")
-        ->type_name("FILE");
+    add_study_options(*command, options->study);
+    command->get_option("--self-test")->excludes("--json")->excludes("--shard");
     command->callback([&session, options, command] {
         if (!options->ablate.empty()) {
             if (command->count("--rays") == 0) options->rays.kinds = kAblationKinds;
             return bench_ablation(session, {options->scenes, options->ablate, options->rays,
-                                            options->timing, options->json});
+                                            options->timing, options->study});
+        }
+        if (options->self_test) {
+            if (command->count("--rays") == 0) options->rays.kinds = {"primary"};
+            if (command->count("--size") == 0) options->rays.size = kSelfTestSize;
+            if (options->strategy.patterns.empty()) {
+                options->strategy.patterns = {kSelfTestStrategy};
+            }
+            if (command->count("--repetitions") == 0) {
+                options->timing.repetitions = kSelfTestRounds;
+            }
+            return bench_self_test(session, {options->scenes, options->strategy, options->rays,
+                                             options->timing, options->comparisons});
         }
         if (!options->settings) return run(session, *options);
         if (command->count("--rays") == 0) options->rays.kinds = kSettingsKinds;
         if (command->count("--size") == 0) options->rays.size = kSettingsSize;
         bench_settings(session, {options->scenes, options->rays, options->timing, options->entry,
-                                 options->json});
+                                 options->study});
     });
 }
 

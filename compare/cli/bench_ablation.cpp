@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include "compare/ablation.h"
-#include "compare/atomic_file.h"
 #include "compare/cli/progress_bar.h"
 #include "compare/cli/table.h"
 #include "compare/experiments.h"
@@ -125,30 +124,36 @@ std::vector<AblationRecord> ablate_image(const Court& court, const Sides& sides,
     return records;
 }
 
+/// The scene's points that the study needs.
 void ablate_scene(const Session& session, const BenchAblationCommand& options,
-                  const std::string& name, const Progress& progress, Results& results) {
+                  const std::string& name, ProgressBar& bar, Study& study) {
+    std::vector<std::string> kinds = options.rays.kinds;
+    std::erase_if(kinds, [&](const auto& kind) { return !study.needs(case_key(name, kind)); });
+    if (kinds.empty()) return;
     const ImageSize size = parse_size(options.rays.size);
     const RayRequest request{size.width, size.height, options.rays.camera, session.globals.seed};
-    Court court = open_court(session, name);
-    results.manifest.judge = court.judge->name();
-    results.scenes.push_back(court.open.record);
-    const CatalogueEntry& entry = *session.catalogue.select(options.strategy).front();
-    const Sides sides = make_sides(session, court, entry, results);
 
-    const double kinds = static_cast<double>(options.rays.kinds.size());
-    for (size_t k = 0; k < options.rays.kinds.size(); ++k) {
-        const double begin = static_cast<double>(k) / kinds;
-        const Progress part = [&](double done) { return go_on(progress, begin + done / kinds); };
-        if (!part(0.0)) return;
-        const std::string& kind = options.rays.kinds[k];
-        std::vector<AblationRecord> records =
+    // What the points share.
+    Court court = open_court(session, name);
+    study.check_scene(court.open.record);
+    Results shared;
+    shared.manifest.judge = court.judge->name();
+    shared.scenes.push_back(court.open.record);
+    const CatalogueEntry& entry = *session.catalogue.select(options.strategy).front();
+    const Sides sides = make_sides(session, court, entry, shared);
+
+    for (const std::string& kind : kinds) {
+        if (stop_requested()) return;
+        const Progress progress = next_point(bar, study);
+        Results point = shared;
+        point.ablations =
             kind == "image"
-                ? ablate_image(court, sides, request, options.timing, part)
-                : ablate_rays(court, sides, kind, request, options.timing, part, results);
-        if (records.empty() || records.front().wall_ms.empty()) return;  // stopped too early
-        for (AblationRecord& record : records) record.work = kind;
-        compare_ablations(records, options.timing.seed);
-        std::move(records.begin(), records.end(), std::back_inserter(results.ablations));
+                ? ablate_image(court, sides, request, options.timing, progress)
+                : ablate_rays(court, sides, kind, request, options.timing, progress, point);
+        if (stop_requested()) return;
+        for (AblationRecord& record : point.ablations) record.work = kind;
+        compare_ablations(point.ablations, options.timing.seed);
+        study.add(case_key(name, kind), std::move(point));
     }
 }
 
@@ -183,24 +188,28 @@ void print(const Results& results, std::FILE* out) {
 }  // namespace
 
 void bench_ablation(Session& session, const BenchAblationCommand& options) {
-    if (!options.json.empty() && options.json != "-") check_writable(options.json);
+    check_scene_names(options.scenes);
     parse_size(options.rays.size);
     BenchAblationCommand command = options;
     command.timing.seed = session.globals.seed;
     check_repetitions(command.timing);
+    const std::vector<const CatalogueEntry*> entries = session.catalogue.select(command.strategy);
+    std::vector<std::string> keys;
+    for (const std::string& scene : command.scenes) {
+        for (const std::string& kind : command.rays.kinds) keys.push_back(case_key(scene, kind));
+    }
 
-    Results results;
+    Study study = open_study(session, command.study, std::move(keys), entries);
     {
         ProgressBar bar("bench --ablate");
-        const double scenes = static_cast<double>(command.scenes.size());
-        for (size_t i = 0; i < command.scenes.size() && !stop_requested(); ++i) {
-            const double begin = static_cast<double>(i) / scenes;
-            ablate_scene(session, command, command.scenes[i], bar.part(begin, begin + 1.0 / scenes),
-                         results);
+        for (const std::string& scene : command.scenes) {
+            if (stop_requested()) break;
+            ablate_scene(session, command, scene, bar, study);
         }
     }
-    print(results, table_stream(command.json));
-    finish(session, results, command.json, stop_requested());
+    Results results = study.results();
+    print(results, table_stream(command.study.json));
+    finish_study(session, study, results, command.study);
 }
 
 }  // namespace onepass::cli

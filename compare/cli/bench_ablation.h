@@ -6,6 +6,7 @@
 
 #include "compare/cli/options.h"
 #include "compare/cli/session.h"
+#include "compare/cli/study_run.h"
 #include "compare/timing.h"
 
 namespace onepass::cli {
@@ -18,7 +19,7 @@ struct BenchAblationCommand {
     std::string strategy;  ///< strategy[/storage[/entry]]
     RayOptions rays;
     TimingOptions timing;
-    std::string json;
+    StudyOptions study;
 };
 
 /// Times and judges the strategy as it is, twice, and without each of compare/ablation.h's steps.

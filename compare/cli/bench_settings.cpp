@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "compare/atomic_file.h"
 #include "compare/cli/progress_bar.h"
 #include "compare/cli/table.h"
 #include "compare/experiments.h"
@@ -61,34 +60,38 @@ std::vector<Contestant> make_contestants(const Session& session, const Court& co
     return contestants;
 }
 
+/// The scene's points that the study needs.
 void bench_scene(const Session& session, const BenchSettingsCommand& options,
-                 const std::string& name, ProgressBar& bar, const Progress& progress,
-                 Results& results) {
+                 const std::string& name, ProgressBar& bar, Study& study) {
+    std::vector<std::string> kinds = options.rays.kinds;
+    std::erase_if(kinds, [&](const auto& kind) { return !study.needs(case_key(name, kind)); });
+    if (kinds.empty()) return;
     const ImageSize size = parse_size(options.rays.size);
     const RayRequest request{size.width, size.height, options.rays.camera, session.globals.seed};
 
+    // What the points share.
     Court court = open_court(session, name);
-    results.manifest.judge = court.judge->name();
-    results.scenes.push_back(court.open.record);
+    study.check_scene(court.open.record);
+    Results shared;
+    shared.manifest.judge = court.judge->name();
+    shared.scenes.push_back(court.open.record);
     const std::vector<Contestant> contestants = make_contestants(
-        session, court, options.entry, uint64_t{size.width} * size.height, bar, results);
+        session, court, options.entry, uint64_t{size.width} * size.height, bar, shared);
     std::vector<Tracer*> tracers;
     for (const Contestant& contestant : contestants) tracers.push_back(contestant.tracer.get());
 
-    const double kinds = static_cast<double>(options.rays.kinds.size());
-    for (size_t k = 0; k < options.rays.kinds.size(); ++k) {
-        const double begin = static_cast<double>(k) / kinds;
-        const Progress part = [&](double done) { return go_on(progress, begin + done / kinds); };
-        if (!part(0.0)) return;
-        const RaySet rays =
-            make_ray_set(options.rays.kinds[k], *court.open.scene, *court.oracle, request);
-        std::vector<TradeoffPoint> points =
-            measure_tradeoff(tracers, 0, rays, *court.judge, options.timing, part);
-        for (size_t i = 0; i < points.size(); ++i) {
-            points[i].scene = court.open.name;
-            points[i].setting = contestants[i].setting;
-            results.tradeoffs.push_back(std::move(points[i]));
+    for (const std::string& kind : kinds) {
+        if (stop_requested()) return;
+        const RaySet rays = make_ray_set(kind, *court.open.scene, *court.oracle, request);
+        Results point = shared;
+        point.tradeoffs = measure_tradeoff(tracers, 0, rays, *court.judge, options.timing,
+                                           next_point(bar, study));
+        if (stop_requested()) return;
+        for (size_t i = 0; i < point.tradeoffs.size(); ++i) {
+            point.tradeoffs[i].scene = court.open.name;
+            point.tradeoffs[i].setting = contestants[i].setting;
         }
+        study.add(case_key(name, kind), std::move(point));
     }
 }
 
@@ -143,24 +146,31 @@ void print(const Results& results, std::FILE* out) {
 }  // namespace
 
 void bench_settings(Session& session, const BenchSettingsCommand& options) {
-    if (!options.json.empty() && options.json != "-") check_writable(options.json);
+    check_scene_names(options.scenes);
     parse_size(options.rays.size);
     BenchSettingsCommand command = options;
     command.timing.seed = session.globals.seed;
     check_repetitions(command.timing);
+    std::vector<const CatalogueEntry*> entries;
+    for (const TradeoffSetting& setting : tradeoff_settings()) {
+        entries.push_back(&session.catalogue.at(entry_name(setting, command.entry)));
+    }
+    std::vector<std::string> keys;
+    for (const std::string& scene : command.scenes) {
+        for (const std::string& kind : command.rays.kinds) keys.push_back(case_key(scene, kind));
+    }
 
-    Results results;
+    Study study = open_study(session, command.study, std::move(keys), entries);
     {
         ProgressBar bar("bench --settings");
-        const double scenes = static_cast<double>(command.scenes.size());
-        for (size_t i = 0; i < command.scenes.size() && !stop_requested(); ++i) {
-            const double begin = static_cast<double>(i) / scenes;
-            bench_scene(session, command, command.scenes[i], bar,
-                        bar.part(begin, begin + 1.0 / scenes), results);
+        for (const std::string& scene : command.scenes) {
+            if (stop_requested()) break;
+            bench_scene(session, command, scene, bar, study);
         }
     }
-    print(results, table_stream(command.json));
-    finish(session, results, command.json, stop_requested());
+    Results results = study.results();
+    print(results, table_stream(command.study.json));
+    finish_study(session, study, results, command.study);
 }
 
 }  // namespace onepass::cli

@@ -6,6 +6,7 @@
 
 #include "compare/cli/options.h"
 #include "compare/cli/session.h"
+#include "compare/cli/study_run.h"
 #include "compare/timing.h"
 
 namespace onepass::cli {
@@ -20,7 +21,7 @@ struct BenchSettingsCommand {
     RayOptions rays;
     TimingOptions timing;
     std::string entry;  ///< for "*" in compare/tradeoff.h's list
-    std::string json;
+    StudyOptions study;
 };
 
 /// Times and judges compare/tradeoff.h's list on every scene and ray kind. A setting that a scene

@@ -14,10 +14,14 @@
 #include "compare/cli/options.h"
 #include "compare/cli/pictures.h"
 #include "compare/cli/progress_bar.h"
+#include "compare/cli/sizing.h"
+#include "compare/cli/study_run.h"
 #include "compare/cli/table.h"
 #include "compare/frames.h"
+#include "compare/hash.h"
 #include "compare/images.h"
 #include "compare/manifest.h"
+#include "compare/pixels.h"
 #include "core/error.h"
 
 namespace onepass::cli {
@@ -26,6 +30,7 @@ namespace {
 struct CheckCommand {
     std::vector<std::string> scenes;
     StrategyOptions strategy;
+    SizingOptions sizing;
     RayOptions rays{{"primary", "random"}, "512x512", 0};
     std::vector<std::string> allow;
     double sample = HitCheckOptions{}.agreement_sample;
@@ -33,7 +38,7 @@ struct CheckCommand {
     std::string frames;  ///< empty: the scenes at rest
     double fps = 24.0;
     bool attribute = false;
-    std::string json;
+    StudyOptions study;
     std::string pictures;
 };
 
@@ -156,20 +161,39 @@ std::string image_line(const ImageRecord& image) {
 
 // The work.
 
-/// One run of the command: fills `results` and `pictures`.
+/// The work on a scene's image has a key like that on its rays.
+constexpr char kImage[] = "image";
+
+/// What a tracer's image leaves for the sheet of pixels.
+struct ImageTrace {
+    Picture picture;
+    std::vector<RayCounters> counters;  ///< empty: it counts none
+};
+using ImageTraces = std::map<std::string, ImageTrace>;  ///< by tracer
+
+/// The chosen of a whole image's values; none of none.
+template <class T>
+std::vector<T> chosen_of(const std::vector<T>& values, std::span<const uint32_t> indices) {
+    std::vector<T> chosen;
+    if (values.empty()) return chosen;
+    for (const uint32_t index : indices) chosen.push_back(values[index]);
+    return chosen;
+}
+
+/// One run of the command: fills `study`, and `pictures` beside it.
 struct CheckRun {
     Session& session;
     const CheckCommand& options;
-    const std::vector<SelectedStrategy> selected;
+    const std::vector<SelectedStrategy> asked;
     const ImageSize size;
     const HitCheckOptions hit_options;
     PictureSet pictures;
-    Results results;
-    bool stopped = false;
+    Study study;
     std::string attributions = {};            ///< as text
     std::vector<std::string> cast_only = {};  ///< scenes and tracers without an image to compare
-    std::vector<std::string> refusals = {};   ///< scenes that a strategy cannot take, and why
-    std::exception_ptr refused = {};          ///< the last of them
+    std::exception_ptr refused = {};          ///< why the last strategy could not take a scene
+    std::vector<SelectedStrategy> selected =
+        {};  ///< those asked for, as this scene's sizing has it
 
     RayRequest ray_request() const {
         return {size.width, size.height, options.rays.camera, session.globals.seed};
@@ -187,13 +211,14 @@ struct CheckRun {
     /// Null, and a refusal more, if the strategy cannot take the scene: what others have found, or
     /// will, is kept. Throws: Error where there is no device.
     std::unique_ptr<Tracer> made(const std::string& name, const CatalogueEntry& entry,
-                                 const ScenePtr& scene, const ParamValues& params) {
+                                 const ScenePtr& scene, const ParamValues& params,
+                                 Results& results) {
         try {
             return entry.make(scene, params);
         } catch (const Error& error) {
             if (error.kind() == Error::Kind::device) throw;
             refused = std::current_exception();
-            refusals.push_back(fmt::format("{}, {}: {}", name, entry.info.name, error.what()));
+            results.refusals.push_back({name, entry.info.name, error.what()});
             return nullptr;
         }
     }
@@ -201,7 +226,8 @@ struct CheckRun {
     /// Judges all answers to one case, the first of them those of the selected strategies
     /// `taking_part`.
     void check_hits(const Court& court, const Case& subject, std::span<const CastResult> answers,
-                    std::span<const std::string> tracers, std::span<const size_t> taking_part) {
+                    std::span<const std::string> tracers, std::span<const size_t> taking_part,
+                    const ImageTraces& traces, Results& results) {
         const RaySet& rays = subject.rays;
         auto comparisons = check_answers(court, subject, answers, tracers, hit_options);
         for (size_t i = 0; i < comparisons.size(); ++i) {
@@ -218,9 +244,48 @@ struct CheckRun {
             }
             results.checks.push_back(std::move(comparison.record));
         }
+        if (rays.name == "primary" && pictures.has_folder()) {
+            keep_pixels(court.open.name, rays, answers, tracers, comparisons, traces, results);
+        }
     }
 
-    void check_image_of(const Court& court, const Frame& truth, Tracer& tracer) {
+    /// The sheet of pixels, for the page's inspector.
+    void keep_pixels(const std::string& scene, const RaySet& rays,
+                     std::span<const CastResult> answers, std::span<const std::string> tracers,
+                     std::span<const HitComparison> comparisons, const ImageTraces& traces,
+                     Results& results) {
+        // Which pixels, and the ray of each.
+        std::vector<RayClasses> classes;
+        for (const HitComparison& comparison : comparisons) classes.push_back(comparison.classes);
+        const auto [chosen, left_out] =
+            choose_pixels(classes, rays.pixels, rays.width, rays.height);
+        std::vector<uint32_t> ray_of(size_t{rays.width} * rays.height);
+        for (size_t ray = 0; ray < rays.pixels.size(); ++ray) {
+            ray_of[rays.pixels[ray]] = static_cast<uint32_t>(ray);
+        }
+        const std::vector<uint32_t> chosen_rays = chosen_of(ray_of, chosen);
+
+        // Every tracer's answers.
+        PixelSheet sheet{scene, rays.width, rays.height, chosen, {}};
+        for (size_t i = 0; i < tracers.size(); ++i) {
+            SheetColumn& column = sheet.tracers.emplace_back();
+            column.tracer = tracers[i];
+            column.hits = chosen_of(answers[i].hits, chosen_rays);
+            column.classes = chosen_of(classes[i], chosen_rays);
+            const auto image = traces.find(tracers[i]);
+            if (image == traces.end()) continue;
+            column.colors = chosen_of(image->second.picture.pixels, chosen);
+            column.counters = chosen_of(image->second.counters, chosen);
+        }
+        std::string text = to_json(sheet);
+        PixelSheetRecord record{scene,    rays.width, rays.height,      chosen.size(),
+                                left_out, "",         sha256_text(text)};
+        record.file = pictures.add_file(scene + "_pixels", ".json", std::move(text));
+        if (!record.file.empty()) results.pixel_sheets.push_back(std::move(record));
+    }
+
+    ImageRecord check_image_of(const Court& court, const Frame& truth, Tracer& tracer,
+                               ImageTraces& traces) {
         const RenderSettings settings{.width = size.width, .height = size.height};
         const Camera& camera = court.open.scene->cameras[options.rays.camera];
         const Frame frame = tracer.render(camera, settings);
@@ -228,6 +293,9 @@ struct CheckRun {
         record.scene = court.open.name;
         record.tracer = tracer.name();
         record.oracle = court.oracle->name();
+
+        traces[tracer.name()] = {tone_mapped(frame), {}};
+        if (tracer.capabilities().counters) traces[tracer.name()].counters = frame.counters;
 
         const auto add = [&](const std::string& role, const std::string& owner, Picture picture) {
             const std::string path =
@@ -242,40 +310,52 @@ struct CheckRun {
             record.cells_full_scale = cells.full_scale;
             add("cells", tracer.name(), std::move(cells.picture));
         }
-        results.images.push_back(std::move(record));
+        return record;
     }
 
-    /// All frames of a scene that moves, each as a scene of its own.
-    void check_frames(const std::string& name, const Progress& progress) {
-        const FrameRange range = parse_frames(options.frames);
-        const auto count = static_cast<double>(range.count());
-        for (uint64_t k = 0; k < range.count() && !stopped; ++k) {
-            const double begin = static_cast<double>(k) / count;
-            check_scene(name, range.first + static_cast<uint32_t>(k),
-                        [&](double done) { return go_on(progress, begin + done / count); });
-        }
+    /// Writes the pictures and the sheet first: no record may name one that is not there.
+    void finish_point(const std::string& key, Results point) {
+        pictures.write();
+        study.add(key, std::move(point));
     }
 
-    void check_scene(const std::string& name, std::optional<uint32_t> frame,
-                     const Progress& progress) {
+    /// The scene's points that the study needs; at a frame, the scene is a scene of its own.
+    void check_scene(const std::string& name, std::optional<uint32_t> frame, ProgressBar& bar) {
+        const std::string frame_or_name = frame ? frame_name(name, *frame) : name;
+        std::vector<std::string> kinds = options.rays.kinds;
+        std::erase_if(
+            kinds, [&](const auto& kind) { return !study.needs(case_key(frame_or_name, kind)); });
+        const bool image = options.image && study.needs(case_key(frame_or_name, kImage));
+        if (kinds.empty() && !image) return;
+
         // The truth, once. Tracers are made at rest, and moved to the frame.
         Court court = open_court(session, name);
         const ScenePtr at_rest = court.open.scene;
+        selected = sized(session, court.open, asked, options.sizing, options.rays.kinds,
+                         options.rays.camera);
         const std::vector<Affine> transforms =
             frame ? move_to_frame(court, *frame, options.fps) : std::vector<Affine>();
-        results.manifest.judge = court.judge->name();
-        results.scenes.push_back(court.open.record);
+        study.check_scene(court.open.record);
+        Results shared;
+        shared.manifest.judge = court.judge->name();
+        shared.scenes.push_back(court.open.record);
         std::vector<Case> cases;
-        for (const std::string& kind : options.rays.kinds) {
+        for (const std::string& kind : kinds) {
             cases.push_back(open_case(court, kind, ray_request()));
         }
         Frame truth;
-        if (options.image) {
+        // The image is rendered for its own point, and for the sheet of pixels.
+        const bool has_sheet = pictures.has_folder() && std::ranges::count(kinds, "primary") > 0;
+        const bool render = options.image && (image || has_sheet);
+        ImageTraces traces;
+        if (render) {
             truth = court.oracle->render(court.open.scene->cameras.at(options.rays.camera),
                                          {.width = size.width, .height = size.height});
+            traces[court.oracle->name()] = {tone_mapped(truth), {}};
         }
 
         // Every strategy answers.
+        std::vector<ImageRecord> images;
         std::vector<size_t> taking_part;
         std::vector<std::string> tracers;
         std::vector<std::vector<CastResult>> answers(cases.size());
@@ -285,52 +365,60 @@ struct CheckRun {
                 answers[c].push_back(answers_of(cases[c], tracer));
             }
         };
+        const Progress progress = next_point(bar, study);
         const double steps = static_cast<double>(selected.size() + 1);
-        for (size_t s = 0; s < selected.size() && !stopped; ++s) {
+        for (size_t s = 0; s < selected.size(); ++s) {
+            if (!go_on(progress, static_cast<double>(s) / steps)) return;
             const auto& [entry, params] = selected[s];
-            const std::unique_ptr<Tracer> tracer = made(court.open.name, *entry, at_rest, params);
+            const std::unique_ptr<Tracer> tracer =
+                made(court.open.name, *entry, at_rest, params, shared);
             if (!tracer) continue;
             taking_part.push_back(s);
             if (frame) tracer->update(transforms);
-            results.tracers.push_back(
+            shared.tracers.push_back(
                 make_tracer_record(court.open.name, *tracer, entry->info, params));
+            shared.tracers.back().sizing = sizing_name(entry->info, options.sizing);
             cast_all(*tracer);
-            if (options.image && tracer->capabilities().render) {
-                check_image_of(court, truth, *tracer);
-            } else if (options.image) {
+            if (render && tracer->capabilities().render) {
+                images.push_back(check_image_of(court, truth, *tracer, traces));
+            } else if (image) {
                 cast_only.push_back(fmt::format("{}, {}", court.open.name, tracer->name()));
             }
-            stopped = !go_on(progress, static_cast<double>(s + 1) / steps);
         }
 
         // Where nobody found anything, the reason is the result.
-        if (refused && taking_part.empty() && results.checks.empty()) {
-            std::rethrow_exception(refused);
-        }
+        if (refused && taking_part.empty() && study.done() == 0) std::rethrow_exception(refused);
 
         // Embree answers beside them, and all are judged.
         for (const char* reference : {kFastEmbreeName, kOracleName}) {
             if (std::find(tracers.begin(), tracers.end(), reference) != tracers.end()) continue;
             const CatalogueEntry& entry = session.catalogue.at(reference);
             if (reference == court.oracle->name()) {
-                results.tracers.push_back(
+                shared.tracers.push_back(
                     make_tracer_record(court.open.name, *court.oracle, entry.info, {}));
                 tracers.emplace_back(reference);
                 for (size_t c = 0; c < cases.size(); ++c) answers[c].push_back(cases[c].truth);
                 continue;
             }
             const std::unique_ptr<Tracer> embree = entry.make(court.open.scene, {});
-            results.tracers.push_back(make_tracer_record(court.open.name, *embree, entry.info, {}));
+            shared.tracers.push_back(make_tracer_record(court.open.name, *embree, entry.info, {}));
             cast_all(*embree);
         }
-        for (size_t c = 0; c < cases.size(); ++c) {
-            check_hits(court, cases[c], answers[c], tracers, taking_part);
+        if (image) {
+            Results point = shared;
+            point.images = std::move(images);
+            finish_point(case_key(frame_or_name, kImage), std::move(point));
         }
-        if (!stopped) stopped = !go_on(progress, 1.0);
+        for (size_t c = 0; c < cases.size(); ++c) {
+            if (!go_on(next_point(bar, study), 0.0)) return;
+            Results point = shared;
+            check_hits(court, cases[c], answers[c], tracers, taking_part, traces, point);
+            finish_point(case_key(frame_or_name, kinds[c]), std::move(point));
+        }
     }
 
-    void print() const {
-        std::FILE* out = table_stream(options.json);
+    void print(const Results& results) const {
+        std::FILE* out = table_stream(options.study.json);
         for (const SceneRecord& scene : results.scenes) {
             for (const std::string& kind : options.rays.kinds) {
                 std::vector<const CheckRecord*> records;
@@ -348,54 +436,74 @@ struct CheckRun {
         for (const std::string& what : cast_only) {
             fmt::print(out, "{}: answers rays only, so there is no image to compare\n", what);
         }
-        for (const std::string& refusal : refusals) fmt::print(out, "refused: {}\n", refusal);
+        for (const RefusalRecord& refusal : results.refusals) {
+            fmt::print(out, "refused: {}, {}: {}\n", refusal.scene, refusal.tracer, refusal.reason);
+        }
         fmt::print(out, "{}judge: {}\n", attributions, results.manifest.judge);
         if (!results.images.empty()) {
             fmt::print(out, "image bound: {}\n", results.images.front().reason);
         }
     }
-
-    bool passed() const {
-        bool all = refusals.empty();
-        for (const CheckRecord& record : results.checks) {
-            all &= record.passed || record.reference;
-        }
-        for (const ImageRecord& record : results.images) all &= record.passed;
-        return all;
-    }
 };
 
+bool passed(const Results& results) {
+    bool all = results.refusals.empty();
+    for (const CheckRecord& record : results.checks) all &= record.passed || record.reference;
+    for (const ImageRecord& record : results.images) all &= record.passed;
+    return all;
+}
+
 void run(Session& session, const CheckCommand& options) {
-    if (!options.json.empty() && options.json != "-") check_writable(options.json);
+    check_scene_names(options.scenes);
     HitCheckOptions hit_options;
     hit_options.allowed = parse_allowances(options.allow);
     hit_options.agreement_sample = options.sample;
     hit_options.seed = session.globals.seed;
+    const ImageSize size = parse_size(options.rays.size);
+    std::vector<SelectedStrategy> selected = select_strategies(session.catalogue, options.strategy);
+    std::vector<const CatalogueEntry*> entries;
+    for (const SelectedStrategy& strategy : selected) entries.push_back(strategy.entry);
+
+    // The points: each scene, or each of its frames, by kinds of rays; then its image.
+    std::vector<std::optional<uint32_t>> frames = {std::nullopt};
+    if (!options.frames.empty()) {
+        const FrameRange range = parse_frames(options.frames);
+        frames.clear();
+        for (uint64_t k = 0; k < range.count(); ++k) {
+            frames.emplace_back(range.first + static_cast<uint32_t>(k));
+        }
+    }
+    std::vector<std::string> keys;
+    for (const std::string& scene : options.scenes) {
+        for (const std::optional<uint32_t>& frame : frames) {
+            const std::string name = frame ? frame_name(scene, *frame) : scene;
+            for (const std::string& kind : options.rays.kinds) {
+                keys.push_back(case_key(name, kind));
+            }
+            if (options.image) keys.push_back(case_key(name, kImage));
+        }
+    }
+
     CheckRun check{session,
                    options,
-                   select_strategies(session.catalogue, options.strategy),
-                   parse_size(options.rays.size),
+                   std::move(selected),
+                   size,
                    hit_options,
-                   PictureSet(options.pictures, options.json),
-                   {},
-                   false};
+                   PictureSet(options.pictures, options.study.json),
+                   open_study(session, options.study, std::move(keys), entries)};
     {
         ProgressBar bar("check");
-        const double scenes = static_cast<double>(options.scenes.size());
-        for (size_t i = 0; i < options.scenes.size() && !check.stopped; ++i) {
-            const double begin = static_cast<double>(i) / scenes;
-            const Progress part = bar.part(begin, begin + 1.0 / scenes);
-            if (options.frames.empty()) {
-                check.check_scene(options.scenes[i], {}, part);
-            } else {
-                check.check_frames(options.scenes[i], part);
+        for (const std::string& scene : options.scenes) {
+            for (const std::optional<uint32_t>& frame : frames) {
+                if (!stop_requested()) check.check_scene(scene, frame, bar);
             }
         }
     }
-    check.print();
-    session.exit_code = check.passed() ? kPassed : kFailed;
-    check.pictures.write();
-    finish(session, check.results, options.json, check.stopped);
+    Results results = check.study.results();
+    check.print(results);
+    session.exit_code = passed(results) ? kPassed : kFailed;
+    check.pictures.report();
+    finish_study(session, check.study, results, options.study);
 }
 
 }  // namespace
@@ -406,6 +514,7 @@ void add_check(CLI::App& app, Session& session) {
     auto options = std::make_shared<CheckCommand>();
     command->add_option("scenes", options->scenes, "Scene names or files")->required();
     add_strategy_options(*command, options->strategy);
+    add_sizing_options(*command, options->sizing);
     add_ray_options(*command, options->rays);
     command
         ->add_option("--allow", options->allow,
@@ -436,8 +545,7 @@ void add_check(CLI::App& app, Session& session) {
         "--attribute", options->attribute,
         "Also casts the wrong rays again with each deviation of the strategy switched "
         "off, and counts them by the first that each disappears without");
-    command->add_option("--json", options->json, "Writes the results; '-' is standard output")
-        ->type_name("FILE");
+    add_study_options(*command, options->study);
     command
         ->add_option("--pictures", options->pictures,
                      "Folder for PNGs of images, differences, cells and classes. Default: "

@@ -1,7 +1,7 @@
 // onepass grow: how build time, memory and trace time grow with triangles and with rays.
 //
-// Each size is a step, kept in DIR/parts as it finishes, so that the same command goes on where it
-// was stopped.
+// Each size is a point of a study. With -o it is also kept by itself in DIR/parts, where another
+// list of sizes finds it again.
 #include <cmath>
 #include <memory>
 
@@ -12,6 +12,7 @@
 #include "compare/cli/commands.h"
 #include "compare/cli/options.h"
 #include "compare/cli/progress_bar.h"
+#include "compare/cli/study_run.h"
 #include "compare/cli/table.h"
 #include "compare/growth.h"
 #include "compare/parts.h"
@@ -38,7 +39,7 @@ struct GrowCommand {
     size_t judged = 4096;
     TimingOptions timing;
     double enough_s = 5.0;
-    std::string json;
+    StudyOptions study;
     std::string output;
     bool fresh = false;
 };
@@ -158,45 +159,31 @@ std::string exponent_table(const Results& results) {
 
 // ---- Running
 
-/// Kept by step; the time-consuming work is measure_growth's.
-Results run_steps(Session& session, const GrowthSetup& setup, const std::vector<GrowthStep>& steps,
-                  const GrowCommand& options, size_t& done) {
-    std::unique_ptr<PartStore> store;
-    if (!options.output.empty()) {
-        store = std::make_unique<PartStore>(fs::path(options.output) / "parts");
-    }
-    Results results;
-    ProgressBar bar("grow");
-    const double total = static_cast<double>(steps.size());
-    for (done = 0; done < steps.size() && !stop_requested(); ++done) {
-        const std::string id = steps[done].id();
-        if (store && !options.fresh) {
-            const FoundPart found = store->find(id, manifest_of(session, options, steps[done]));
-            if (found.results) {
-                bar.say(fmt::format("{}: kept from an earlier run", id));
-                append_results(results, *found.results);
-                continue;
-            }
-            if (!found.why_not.empty()) {
-                bar.say(fmt::format("{}: made again: {}", id, found.why_not));
-            }
+/// The step's results, from an earlier run's parts or measured now; none if stopped on the way.
+std::optional<Results> step_results(const Session& session, const GrowthSetup& setup,
+                                    const GrowthStep& step, const GrowCommand& options,
+                                    const PartStore* store, ProgressBar& bar,
+                                    const Progress& progress) {
+    const std::string id = step.id();
+    if (store && !options.fresh) {
+        FoundPart found = store->find(id, manifest_of(session, options, step));
+        if (found.results) {
+            bar.say(fmt::format("{}: kept from an earlier run", id));
+            return std::move(found.results);
         }
-        const double begin = static_cast<double>(done);
-        Results step =
-            measure_growth(setup, steps[done], bar.part(begin / total, (begin + 1.0) / total));
-        if (stop_requested()) break;
-        const std::string judge = step.manifest.judge;
-        step.manifest = manifest_of(session, options, steps[done]);
-        step.manifest.judge = judge;
-        bar.say(fmt::format("{}: done", id));
-        if (store) store->save(id, step);
-        append_results(results, step);
+        if (!found.why_not.empty()) bar.say(fmt::format("{}: made again: {}", id, found.why_not));
     }
+    Results results = measure_growth(setup, step, progress);
+    if (stop_requested()) return std::nullopt;
+    const std::string judge = results.manifest.judge;
+    results.manifest = manifest_of(session, options, step);
+    results.manifest.judge = judge;
+    bar.say(fmt::format("{}: done", id));
+    if (store) store->save(id, results);
     return results;
 }
 
 void run(Session& session, const GrowCommand& options) {
-    if (!options.json.empty() && options.json != "-") check_writable(options.json);
     check_repetitions(options.timing);
     GrowthSetup setup = setup_of(session, options);
     const std::vector<GrowthStep> steps =
@@ -204,31 +191,44 @@ void run(Session& session, const GrowCommand& options) {
                      whole_counts("--ray-counts", options.ray_counts),
                      whole_counts("--fixed-rays", {options.fixed_rays})[0],
                      whole_counts("--fixed-triangles", {options.fixed_triangles})[0]);
-
-    // The manifest names the GL device, which an earlier run is compared by: have it from the
-    // start.
-    for (const Contestant& contestant : setup.contestants) {
-        const TracerInfo& info = contestant.entry->info;
-        if (!info.is_oracle && !info.is_twin) session.gl_context();
-    }
+    std::vector<const CatalogueEntry*> entries;
+    for (const Contestant& contestant : setup.contestants) entries.push_back(contestant.entry);
+    std::vector<std::string> keys;
+    for (const GrowthStep& step : steps) keys.push_back(step.id());
+    Study study = open_study(session, options.study, std::move(keys), entries);
     setup.clocks = session.device_clocks();
+    std::unique_ptr<PartStore> store;
+    if (!options.output.empty()) {
+        store = std::make_unique<PartStore>(fs::path(options.output) / "parts");
+    }
 
-    size_t done = 0;
-    Results results = run_steps(session, setup, steps, options, done);
-    std::FILE* out = table_stream(options.json);
+    // The sizes.
+    {
+        ProgressBar bar("grow");
+        for (const GrowthStep& step : steps) {
+            if (stop_requested()) break;
+            if (!study.needs(step.id())) continue;
+            auto results = step_results(session, setup, step, options, store.get(), bar,
+                                        next_point(bar, study));
+            if (results) study.add(step.id(), std::move(*results));
+        }
+    }
+
+    // What they come to.
+    Results results = study.results();
+    std::FILE* out = table_stream(options.study.json);
     fmt::print(out, "{}{}{}", build_table(results), trace_table(results), exponent_table(results));
     fmt::print(out, "judge of the errors: {}\n", results.manifest.judge);
-    const bool stopped = done < steps.size();
-    finish(session, results, options.json, stopped);
+    finish_study(session, study, results, options.study);
     if (options.output.empty()) return;
     const fs::path folder = options.output;
     write_results(results, folder / "growth.json");
     write_bytes_atomically(folder / "growth.html", render_report({results}, {folder}));
     fmt::print(stderr, "onepass: wrote {} and {}\n", (folder / "growth.json").string(),
                (folder / "growth.html").string());
-    if (stopped) {
+    if (!study.finished()) {
         fmt::print(stderr, "onepass: {} of {} sizes are kept; the same command goes on there\n",
-                   done, steps.size());
+                   study.done(), study.total());
     }
 }
 
@@ -287,8 +287,7 @@ void add_grow(CLI::App& app, Session& session) {
                                  kOracleName, kLeastRepetitions))
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
-    command->add_option("--json", options->json, "Writes the results; '-' is standard output")
-        ->type_name("FILE");
+    add_study_options(*command, options->study);
     command
         ->add_option("-o,--output", options->output,
                      "Folder for growth.json, growth.html and parts; made if needed. Ctrl-C "

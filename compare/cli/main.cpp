@@ -56,9 +56,11 @@ int run(int argc, char** argv) {
     add_explain(app, session);
     add_bench(app, session);
     add_tune(app, session);
+    add_compare(app, session);
     add_grow(app, session);
     add_stress(app, session);
     add_reproduce(app, session);
+    add_merge(app, session);
     add_report(app, session);
     add_shader(app, session);
     add_scenes(app, session);

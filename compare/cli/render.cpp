@@ -96,6 +96,9 @@ Stage set_up(Session& session, const RenderCommand& options, const fs::path& out
     // Always with AOVs: they carry the flags, and an exhausted loop must be said.
     stage.settings = {size.width, size.height, options.depth, !options.no_shadows, true};
 
+    stage.strategy =
+        sized(session, stage.open, {stage.strategy}, options.sizing, {"primary"}, options.camera)
+            .front();
     const std::string& name = stage.strategy.entry->info.name;
     stage.tracer = stage.strategy.entry->make(stage.open.scene, stage.strategy.params);
     if (!stage.tracer->capabilities().render) {
@@ -149,6 +152,7 @@ void add_render(CLI::App& app, Session& session) {
     command->add_option("--param", options->params, "A strategy's parameter; may be repeated")
         ->type_name("NAME=VALUE")
         ->allow_extra_args(false);
+    add_sizing_options(*command, options->sizing);
     command->add_option("--size", options->size, "Image size in pixels")
         ->type_name("WxH")
         ->capture_default_str();

@@ -10,6 +10,7 @@
 
 #include "compare/cli/options.h"
 #include "compare/cli/session.h"
+#include "compare/cli/sizing.h"
 
 namespace onepass::cli {
 
@@ -17,6 +18,7 @@ struct RenderCommand {
     std::string scene;
     std::string strategy;
     std::vector<std::string> params;
+    SizingOptions sizing;
     std::string size = "512x512";
     std::string output;
     std::vector<std::string> aovs;

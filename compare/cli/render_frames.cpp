@@ -125,6 +125,7 @@ struct FrameRun {
                              const ParamValues& params, const TimedFrames& timed) {
             results.tracers.push_back(
                 make_tracer_record(stage.open.name, tracer, entry.info, params));
+            results.tracers.back().sizing = sizing_name(entry.info, options.sizing);
             if (timed.wall_ms.empty()) return;
             FrameTimingRecord record = timing_record(timed, oracle_frames, session.globals.seed);
             record.scene = stage.open.name;

@@ -8,6 +8,7 @@
 #include "compare/report/sections.h"
 #include "compare/statistics.h"
 #include "compare/tradeoff.h"
+#include "compare/tuning.h"
 
 namespace onepass::report {
 namespace {
@@ -25,7 +26,6 @@ json timing_json(const SceneDossier& scene, const Entry<TimingRecord>& timing) {
             {"ratio", number(timing->ratio)},
             {"low", number(timing->ratio_low)},
             {"high", number(timing->ratio_high)},
-            {"mrays", number(timing->mrays_per_s)},
             {"errors", timing->errors},
             {"count", timing->ray_count}};
 }
@@ -34,25 +34,52 @@ json sweep_json(const Sweep& sweep) {
     // The density that takes more values is the axis; the other one tells the curves apart.
     std::set<double> tops, objects;
     for (const SweepPoint& point : sweep.points) {
+        if (!is_by_density(point)) continue;
         tops.insert(point.top_density);
         objects.insert(point.object_density);
     }
     const bool by_object = objects.size() >= tops.size();
+    const auto x_of = [&](const SweepPoint& point) {
+        return by_object ? point.object_density : point.top_density;
+    };
+    const std::optional<Tuning> tuning = tuning_of(sweep.points);
 
-    json points = json::array();
-    for (const SweepPoint& point : sweep.points) {
-        if (!point.failure.empty()) continue;
-        points.push_back({{"x", by_object ? point.object_density : point.top_density},
+    json points = json::array(), marks = json::array(), bands = json::array();
+    for (size_t i = 0; i < sweep.points.size(); ++i) {
+        const SweepPoint& point = sweep.points[i];
+        if (!point.failure.empty() || !is_by_density(point)) continue;
+        const bool modelled = tuning->model.has_value();
+        points.push_back({{"x", x_of(point)},
                           {"curve", by_object ? point.top_density : point.object_density},
-                          {"time", number(median(point.wall_ms))},
+                          {"time", number(tuning->ns[i])},
+                          {"predicted", modelled ? number(tuning->predicted_ns[i]) : json(nullptr)},
                           {"cells", number(point.cells_per_ray)},
                           {"tests", number(point.tests_per_ray)},
                           {"memory", static_cast<double>(point.bytes) / (1u << 20)},
                           {"errors", point.errors}});
     }
+    const auto mark = [&](const char* name, size_t i) {
+        const SweepPoint& point = sweep.points[i];
+        if (!is_by_density(point)) return;
+        marks.push_back({{"name", name},
+                         {"x", x_of(point)},
+                         {"time", number(tuning->ns[i])},
+                         {"errors", point.errors}});
+    };
+    if (tuning) {
+        mark("fastest", tuning->best);
+        if (tuning->predicted) mark("the model’s best", *tuning->predicted);
+        if (tuning->automatic) mark("auto", *tuning->automatic);
+        mark("no finer than needed", tuning->smallest);
+        for (const DensityBand& band : tuning->bands) {
+            if (by_object) bands.push_back({{"low", band.low}, {"high", band.high}});
+        }
+    }
     return {{"axis", by_object ? "object λ, cells a triangle" : "top λ, cells an instance"},
             {"curve", by_object ? "top λ" : "object λ"},
-            {"points", points}};
+            {"points", points},
+            {"marks", marks},
+            {"bands", bands}};
 }
 
 json claim_json(const ClaimRecord& claim, size_t run) {
@@ -213,9 +240,10 @@ std::string chart_data(const Dossier& dossier) {
     for (const Cloud& cloud : all_clouds) tradeoffs.push_back(cloud_json(cloud, colours));
     json growth = json::array();
     for (const GrowthChart& chart : growth_charts(dossier)) growth.push_back(growth_json(chart));
-    const json data = {{"timings", timings}, {"sweeps", plots},   {"claims", claims},
-                       {"motion", motion},   {"ladders", climbs}, {"tradeoffs", tradeoffs},
-                       {"growth", growth}};
+    const json data = {{"timings", timings}, {"sweeps", plots},
+                       {"claims", claims},   {"motion", motion},
+                       {"ladders", climbs},  {"tradeoffs", tradeoffs},
+                       {"growth", growth},   {"closer", json::parse(closer_data(dossier))}};
     // Text from files need not be UTF-8; a chart label shows a replacement character then.
     return script_safe(data.dump(-1, ' ', false, json::error_handler_t::replace));
 }

@@ -4,8 +4,10 @@
 
 #include <fmt/format.h>
 
+#include "compare/merge.h"
 #include "compare/report/html.h"
 #include "compare/report/sections.h"
+#include "compare/study.h"
 
 namespace onepass::report {
 namespace {
@@ -146,7 +148,8 @@ std::string manifest_table(const Manifest& m) {
     rows += row("Commit", fmt::format("<code>{}</code>{}", escape(m.commit),
                                       m.dirty ? " with uncommitted changes" : ""));
     rows += row("Build", escape(fmt::format("{}, {}", m.build_type, m.compiler)));
-    rows += row("CPU", escape(fmt::format("{}, {}", m.cpu, counted(m.cores, "core"))));
+    const std::string cores = m.cores > 0 ? counted(m.cores, "core") : "as the shards say";
+    rows += row("CPU", escape(fmt::format("{}, {}", m.cpu, cores)));
     if (!m.gl_context.empty()) {
         rows +=
             row("GL", escape(fmt::format("{}: {}, {}", m.gl_context, m.gl_renderer, m.gl_version)) +
@@ -156,6 +159,36 @@ std::string manifest_table(const Manifest& m) {
     rows += row("Judge", escape(m.judge));
     rows += row("Seed", std::to_string(m.seed));
     return scroll_table("Manifest", rows + "</tbody>");
+}
+
+/// Of a merged study: who measured which points, and whether their times compare.
+std::string shard_table(const StudyRecord& study) {
+    if (study.parts.empty()) return {};
+    std::string rows =
+        "<thead><tr><th class=\"text\">Shard</th><th>Points</th><th class=\"text\">CPU</th>"
+        "<th class=\"text\">GL</th><th class=\"text\">Time, UTC</th></tr></thead><tbody>\n";
+    bool alike = true;
+    for (const StudyPart& part : study.parts) {
+        const Manifest& m = part.manifest;
+        alike &= like_machines(m, study.parts.front().manifest);
+        std::string points;
+        for (size_t k = 0; k < study.keys.size(); ++k) {
+            if (!takes(part.shard, k)) continue;
+            points += (points.empty() ? "" : "; ") + study.keys[k];
+        }
+        const std::string gl =
+            m.gl_context.empty() ? "–" : fmt::format("{}, {}", m.gl_renderer, m.gl_version);
+        rows += fmt::format("<tr><th scope=\"row\">{}</th>", to_string(part.shard));
+        rows += cell(escape(points), "text quiet");
+        rows += cell(escape(fmt::format("{}, {}", m.cpu, counted(m.cores, "core"))), "text");
+        rows += cell(escape(gl), "text") + cell(escape(m.time_utc), "text") + "</tr>\n";
+    }
+    const std::string flag =
+        alike ? ""
+              : "<p class=\"flag\"><strong>Measured on unlike machines.</strong> Counts and errors "
+                "compare throughout; times and ratios only among the points of like "
+                "machines.</p>\n";
+    return flag + scroll_table("Shards", rows + "</tbody>");
 }
 
 }  // namespace
@@ -181,6 +214,7 @@ std::string environment_section(const Dossier& dossier) {
                 "holds is whole.</p>\n";
         }
         html += manifest_table(runs[r].manifest);
+        if (runs[r].study) html += shard_table(*runs[r].study);
     }
     return html + tracer_table(dossier) + "</section>\n";
 }

@@ -201,7 +201,8 @@ std::string growth_section(const Dossier& dossier) {
             of_run.push_back(charts[i]);
         }
         if (!of_run.empty()) {
-            blocks += "<div class=\"plots\">\n" + figures + "</div>\n" + exponent_table(of_run);
+            blocks +=
+                "<div class=\"plots wide\">\n" + figures + "</div>\n" + exponent_table(of_run);
         }
         blocks += "<h4>Builds</h4>\n" + build_table(run) + "<h4>Casts</h4>\n" + trace_table(run);
     }

@@ -47,6 +47,27 @@
         },
     });
 
+    // A legend in words below the chart, for labels that would not fit into it.
+    function wordLegend(plot, datasets) {
+        plot.parentElement.querySelector(".legend")?.remove();
+        const list = document.createElement("ul");
+        list.className = "legend";
+        for (const dataset of datasets) {
+            const mark = document.createElement("canvas");
+            [mark.width, mark.height] = [44, 28];
+            const ctx = mark.getContext("2d");
+            ctx.strokeStyle = dataset.borderColor;
+            ctx.fillStyle = dataset.backgroundColor;
+            ctx.lineWidth = 3;
+            Chart.helpers.drawPoint(ctx, { pointStyle: dataset.pointStyle, radius: 9, borderWidth: 3, rotation: 0 }, 22, 14);
+            mark.setAttribute("aria-hidden", "true");
+            const item = document.createElement("li");
+            item.append(mark, dataset.label);
+            list.append(item);
+        }
+        plot.after(list);
+    }
+
     // Whiskers of a horizontal bar chart: dataset.interval[i] = [low, high].
     const whiskers = {
         id: "whiskers",
@@ -93,7 +114,6 @@
 
     const timings = data.timings.filter((t) => t.ratio !== null);
     const tracers = distinct(timings.map((t) => t.tracer));
-    const scenes = distinct(timings.map((t) => t.scene));
     const raced = timings.filter((t) => !t.oracle);  // the oracle's own ratio is 1
 
     function ratios(plot) {
@@ -130,63 +150,33 @@
         };
     }
 
-    // Errors reach from 0 to all rays: the axis is log(1 + errors per million), so 0 has a place.
-    const perMillion = (t) => (t.count > 0 ? (1e6 * t.errors) / t.count : 0);
-    function scatter() {
-        const datasets = tracers.map((tracer, i) => {
-            const mine = timings.filter((t) => t.tracer === tracer && t.mrays !== null);
-            return {
-                label: tracer,
-                timings: mine,
-                data: mine.map((t) => ({ x: Math.log10(1 + perMillion(t)), y: t.mrays })),
-                pointStyle: mine.map((t) => kShapes[scenes.indexOf(t.scene) % kShapes.length]),
-                radius: 6,
-                hoverRadius: 8,
-                borderWidth: 1.5,
-                backgroundColor: `${colour(i)}99`,
-                borderColor: colour(i),
-            };
-        });
-        // The legend names colours by datasets, shapes by empty datasets of their own.
-        const shapes = scenes.map((scene, i) => ({
-            label: scene, data: [], pointStyle: kShapes[i % kShapes.length],
-            backgroundColor: "transparent", borderColor: css("--quiet"), borderWidth: 1.5,
-        }));
-        const most = Math.max(1, ...timings.map((t) => Math.log10(1 + perMillion(t))));
-        const options = base({
-            x: axis("errors per million rays (logarithmic, with a place for 0)", {
-                min: -0.08,
-                max: Math.ceil(most * 2) / 2 + 0.08,
-                afterBuildTicks: (scale) => {
-                    scale.ticks = [0, 1, 10, 100, 1e3, 1e4, 1e5, 1e6]
-                        .map((n) => ({ value: Math.log10(1 + n), label: grouped(n) }))
-                        .filter((tick) => tick.value <= scale.max);
-                },
-                ticks: { callback: (v) => grouped(Math.round(10 ** v - 1)) },
-            }),
-            y: axis("Mrays/s", { type: "logarithmic", ...margins(timings.map((t) => t.mrays), 1.4), ticks: { callback: logTick } }),
-        }, (item) => {
-            const t = item.dataset.timings[item.dataIndex];
-            return `${t.scene} ${t.rays}, ${t.tracer}: ${short(t.mrays)} Mrays/s, ${errorText(t.errors)} in ${grouped(t.count)}`;
-        });
-        options.plugins.legend = {
-            display: true,
-            position: "bottom",
-            labels: { color: css("--ink"), usePointStyle: true, boxHeight: 7, padding: 16 },
-            onClick: () => {},
-        };
-        return { type: "scatter", data: { datasets: [...datasets, ...shapes] }, options };
-    }
+    // Upright strips behind the curves: the densities whose time is within a share of the best.
+    const strips = (bands) => ({
+        id: "strips",
+        beforeDatasetsDraw({ ctx, scales, chartArea: { left, top, right, bottom } }) {
+            ctx.save();
+            ctx.fillStyle = css("--rule-strong");
+            ctx.globalAlpha = 0.28;
+            for (const { low, high } of bands) {
+                const from = Math.max(left, scales.x.getPixelForValue(low));
+                const to = Math.min(right, scales.x.getPixelForValue(high));
+                ctx.fillRect(from, top, Math.max(2, to - from), bottom - top);
+            }
+            ctx.restore();
+        },
+    });
 
     function sweep(plot) {
         const study = data.sweeps[Number(plot.dataset.sweep)];
         const measure = plot.dataset.measure;
         const curves = distinct(study.points.map((p) => p.curve));
+        const line = (curve, value) => study.points
+            .filter((p) => p.curve === curve && (p[value] ?? null) !== null)
+            .sort((a, b) => a.x - b.x)
+            .map((p) => ({ x: p.x, y: p[value], errors: p.errors }));
         const datasets = curves.map((curve, i) => ({
             label: `${study.curve} ${short(curve)}`,
-            data: study.points.filter((p) => p.curve === curve && p[measure] !== null)
-                .sort((a, b) => a.x - b.x)
-                .map((p) => ({ x: p.x, y: p[measure], errors: p.errors })),
+            data: line(curve, measure),
             borderColor: colour(i),
             backgroundColor: colour(i),
             pointStyle: kShapes[i % kShapes.length],
@@ -194,18 +184,31 @@
             radius: 3.5,
             tension: 0,
         }));
+        if (measure === "time") {
+            // What the model says of the same sizes, and the sizes that somebody chose.
+            curves.forEach((curve, i) => datasets.push({
+                label: i === 0 ? "by the model" : "", data: line(curve, "predicted"), pointStyle: "line",
+                borderColor: css("--quiet"), backgroundColor: "transparent", borderDash: [5, 4],
+                borderWidth: 1.5, radius: 0, hoverRadius: 0, tension: 0,
+            }));
+            study.marks.forEach((mark, i) => datasets.push({
+                label: mark.name, data: [{ x: mark.x, y: mark.time, errors: mark.errors }], showLine: false,
+                pointStyle: ["star", "triangle", "rectRot", "rect"][i % 4], radius: 8, hoverRadius: 10,
+                borderWidth: 2, borderColor: css("--ink"), backgroundColor: "transparent",
+            }));
+        }
         const options = base({
             x: axis(study.axis, { type: "logarithmic", ...margins(study.points.map((p) => p.x), 1.25), ticks: { callback: logTick, maxRotation: 0 } }),
             y: axis("", { min: 0, ticks: { maxTicksLimit: 6 } }),
-        }, (item) => `λ ${short(item.raw.x)}: ${short(item.raw.y)}, ${errorText(item.raw.errors)}`);
-        if (curves.length > 1) {
+        }, (item) => `${item.dataset.label}: λ ${short(item.raw.x)}: ${short(item.raw.y)}, ${errorText(item.raw.errors)}`);
+        if (datasets.length > 1) {
             options.plugins.legend = {
                 display: true,
                 position: "bottom",
-                labels: { color: css("--ink"), usePointStyle: true, boxHeight: 6, padding: 14 },
+                labels: { color: css("--ink"), usePointStyle: true, boxHeight: 6, padding: 10, filter: (item) => item.text !== "" },
             };
         }
-        return { type: "line", data: { datasets }, options };
+        return { type: "line", plugins: measure === "time" ? [strips(study.bands)] : [], data: { datasets }, options };
     }
 
     const claimsOf = (plot) => data.claims.filter((c) =>
@@ -331,7 +334,7 @@
     // Measured points, and their power laws as dashed lines: straight where both axes are logarithmic.
     function growth(plot) {
         const study = data.growth[Number(plot.dataset.growth)];
-        const power = (line) => (line.exponent === null ? "" : `, slope ${line.exponent.toFixed(2)}`);
+        const power = (line) => (line.exponent === null ? "" : `, slope ${line.exponent.toFixed(2).replace(/^-(0\.00)$/, "$1")}`);
         const points = study.lines.map((line) => ({
             label: `${line.name}${line.device ? " (device)" : ""}${power(line)}`,
             data: line.points,
@@ -358,13 +361,7 @@
             y: axis("", { type: "logarithmic", ...margins(all.map((p) => p.y), 1.8), ticks: { callback: decadeTick } }),
         }, (item) => `${item.dataset.label}: ${short(item.raw.y)} at ${grouped(item.raw.x)} ${study.axis}`);
         options.plugins.tooltip.filter = (item) => item.dataset.label !== "";
-        options.plugins.legend = {
-            display: true,
-            position: "bottom",
-            align: "start",
-            labels: { color: css("--ink"), usePointStyle: true, boxHeight: 6, padding: 8, filter: (item) => item.text !== "" },
-            onClick: () => {},
-        };
+        wordLegend(plot, points);
         return { type: "line", data: { datasets: [...points, ...laws] }, options };
     }
 
@@ -586,17 +583,189 @@
         return { type: "scatter", plugins: [zeroBand(cloud.band, "x"), upright], data: { datasets: [...datasets, ...fronts] }, options };
     }
 
-    const makers = { ratios, scatter, sweep, claims, series, motion, growth, ladder, tradeoff };
+    const makers = { ratios, sweep, claims, series, motion, growth, ladder, tradeoff };
     let charts = [];
     function draw() {
         charts.forEach((chart) => chart.destroy());
         Chart.defaults.font.family = getComputedStyle(document.body).fontFamily;
-        charts = [...document.querySelectorAll("[data-chart]")].map((plot) =>
-            new Chart(plot.querySelector("canvas"), makers[plot.dataset.chart](plot)));
+        charts = [...document.querySelectorAll("[data-chart]")].map((plot) => {
+            const chart = new Chart(plot.querySelector("canvas"), makers[plot.dataset.chart](plot));
+            plot.dataset.drawn = "true";
+            return chart;
+        });
     }
     draw();
+
+    // Every chart can be kept as a picture, on a ground of its own.
+    document.querySelectorAll("[data-chart]").forEach((plot, i) => {
+        const button = document.createElement("button");
+        button.type = "button";
+        button.className = "saver";
+        const name = plot.querySelector("canvas").getAttribute("aria-label").split(/[.:]/)[0];
+        button.textContent = "Save as PNG";
+        button.setAttribute("aria-label", `Save as PNG: ${name}`);
+        button.addEventListener("click", () => {
+            const source = charts[i].canvas;
+            const copy = document.createElement("canvas");
+            [copy.width, copy.height] = [source.width, source.height];
+            const ctx = copy.getContext("2d");
+            ctx.fillStyle = css("--ground");
+            ctx.fillRect(0, 0, copy.width, copy.height);
+            ctx.drawImage(source, 0, 0);
+            const link = document.createElement("a");
+            link.href = copy.toDataURL("image/png");
+            link.download = `${name.toLowerCase().replace(/[^a-z0-9]+/g, "-")}.png`;
+            link.click();
+        });
+        plot.closest("figure").append(button);
+    });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
     matchMedia("print").addEventListener("change", draw);
+
+    // ---- A closer look: two pictures under a divider, and what every tracer answered at a pixel.
+
+    const hex = (n) => `#${n.toString(16).padStart(6, "0")}`;
+    const cellOf = (tag, text, name = "") => {
+        const cell = document.createElement(tag);
+        cell.className = name;
+        cell.textContent = text;
+        return cell;
+    };
+    const swatched = (cell, text, className, colour) => {
+        const swatch = document.createElement("span");
+        swatch.className = `swatch ${className}`;
+        if (colour) swatch.style.setProperty("--swatch", colour);
+        swatch.textContent = text;
+        cell.append(swatch);
+        return cell;
+    };
+
+    // The pixels of a sheet: where they are, which are odd, and the answers at one as table rows.
+    function sheetOf(sheet) {
+        const column = (tracer, field) => (tracer[field] === undefined ? null : sheet.columns[tracer[field]]);
+        const kErrors = ["false_miss", "false_hit", "wrong_surface", "t_error"];
+        const places = sheet.pixels.map((p) => ({ x: p % sheet.width, y: Math.floor(p / sheet.width) }));
+        const odd = places.map((_, i) => i)
+            .filter((i) => sheet.tracers.some((tracer) => column(tracer, "class")[i] > 0));
+        const rows = (i) => sheet.tracers.map((tracer) => {
+            const at = (field) => column(tracer, field)?.[i];
+            const name = sheet.classes[at("class")] ?? "none";
+            const row = document.createElement("tr");
+            const missed = at("inst") < 0;
+            const heading = cellOf("th", tracer.name);
+            heading.scope = "row";
+            row.append(heading, swatched(cellOf("td", "", kErrors.includes(name) ? "text bad" : "text"), name, `class-${name}`));
+            row.append(cellOf("td", missed ? "miss" : String(at("t"))));
+            for (const field of ["prim", "inst"]) row.append(cellOf("td", missed ? "–" : String(at(field))));
+            for (const field of ["cells", "tests"]) row.append(cellOf("td", at(field) === undefined ? "–" : grouped(at(field))));
+            row.append(at("color") === undefined ? cellOf("td", "–", "text")
+                : swatched(cellOf("td", "", "text"), hex(at("color")), "", hex(at("color"))));
+            return row;
+        });
+        const culprit = sheet.tracers.find((tracer) => odd.some((i) => kErrors.includes(sheet.classes[column(tracer, "class")[i]])))?.name;
+        return { places, odd, rows, culprit, width: sheet.width, height: sheet.height };
+    }
+
+    function closer(root) {
+        const model = data.closer[Number(root.dataset.closer)];
+        const stage = root.querySelector(".stage");
+        const [left, right] = ["left", "right"].map((side) => root.querySelector(`[data-side=${side}]`));
+        const [under, over] = [stage.querySelector(".under"), stage.querySelector(".over")];
+        const options = [...root.querySelector("template.layers").content.querySelectorAll("option")];
+        if (options.length === 0) return;
+
+        // The two pictures: the oracle's on the left; on the right who is first to err.
+        for (const select of [left, right]) {
+            for (const group of distinct(options.map((o) => o.dataset.group))) {
+                const list = document.createElement("optgroup");
+                list.label = group;
+                list.append(...options.filter((o) => o.dataset.group === group).map((o) => o.cloneNode(true)));
+                select.append(list);
+            }
+        }
+        const isOracle = (option) => option.dataset.group === "Image" && option.textContent.startsWith("embree/");
+        left.selectedIndex = Math.max(0, [...left.options].findIndex(isOracle));
+        const show = (image, select) => {
+            const option = select.selectedOptions[0];
+            image.src = document.getElementById(option.value).src;
+            image.alt = `${option.dataset.group}, ${option.textContent}`;
+        };
+        const slider = root.querySelector("input[type=range]");
+        const divide = () => {
+            over.style.clipPath = `inset(0 0 0 ${slider.value}%)`;
+            stage.querySelector(".divider").style.left = `${slider.value}%`;
+            slider.setAttribute("aria-valuetext", `${slider.value} % of the picture is ${left.selectedOptions[0].textContent}`);
+        };
+        const refresh = () => { show(under, left); show(over, right); divide(); };
+        for (const select of [left, right]) select.addEventListener("change", refresh);
+        slider.addEventListener("input", divide);
+        const first = model.sheet && sheetOf(model.sheet).culprit;
+        right.selectedIndex = Math.max(0, [...right.options].findIndex((o) => o.textContent === first));
+        refresh();
+        root.hidden = false;
+        if (!model.sheet) return;
+
+        // The pixels.
+        const sheet = sheetOf(model.sheet);
+        const reading = root.querySelector(".reading");
+        const cursor = stage.querySelector(".cursor");
+        let current = sheet.odd[0] ?? 0;
+        const pick = (i) => {
+            current = i;
+            const { x, y } = sheet.places[i];
+            cursor.hidden = false;
+            cursor.style.left = `${(100 * (x + 0.5)) / sheet.width}%`;
+            cursor.style.top = `${(100 * (y + 0.5)) / sheet.height}%`;
+            const nth = sheet.odd.indexOf(i);
+            root.querySelector(".where").textContent = `Pixel (${x}, ${y})` +
+                (nth < 0 ? ": all agree." : `: odd pixel ${grouped(nth + 1)} of ${grouped(sheet.odd.length)}.`);
+            root.querySelector(".reading tbody").replaceChildren(...sheet.rows(i));
+            root.querySelector(".explain").textContent =
+                `onepass explain ${model.scene} --pixel ${x},${y} --size ${sheet.width}x${sheet.height}`;
+        };
+        const nearest = (cost) => {
+            let best = -1, least = Infinity;
+            sheet.places.forEach((place, i) => {
+                const c = cost(place);
+                if (c < least) [best, least] = [i, c];
+            });
+            return best;
+        };
+        stage.addEventListener("click", (event) => {
+            const box = stage.getBoundingClientRect();
+            const x = ((event.clientX - box.left) / box.width) * sheet.width - 0.5;
+            const y = ((event.clientY - box.top) / box.height) * sheet.height - 0.5;
+            pick(nearest((p) => (p.x - x) ** 2 + (p.y - y) ** 2));
+        });
+        const kSteps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+        stage.addEventListener("keydown", (event) => {
+            const step = kSteps[event.key];
+            if (!step) return;
+            event.preventDefault();
+            const { x, y } = sheet.places[current];
+            const next = nearest((p) => {
+                const [dx, dy] = [p.x - x, p.y - y];
+                const along = dx * step[0] + dy * step[1];
+                return along > 0 ? along + 3 * Math.abs(dx * step[1] + dy * step[0]) : Infinity;
+            });
+            if (next >= 0) pick(next);
+        });
+        for (const button of root.querySelectorAll("[data-walk]")) {
+            button.disabled = sheet.odd.length === 0;
+            button.addEventListener("click", () => {
+                const step = Number(button.dataset.walk);
+                const count = sheet.odd.length;
+                const after = sheet.odd.findIndex((i) => (step > 0 ? i > current : i >= current));
+                const at = (after < 0 ? count : after) + (step > 0 ? 0 : -1);
+                pick(sheet.odd[(at + count) % count]);
+            });
+        }
+        root.querySelector(".left-out").textContent = `${grouped(sheet.places.length)} pixels are kept: a lattice, and the odd ones` +
+            (model.left_out > 0 ? `, of which ${grouped(model.left_out)} had no room.` : ".");
+        reading.hidden = false;
+        pick(current);
+    }
+    document.querySelectorAll("[data-closer]").forEach(closer);
 
     // Pictures, enlarged with their pixels visible.
     const viewer = document.getElementById("viewer");

@@ -1,6 +1,7 @@
 // One scene: its pictures, the table of disagreements, the worst rays, and why.
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
@@ -40,26 +41,50 @@ std::string scene_facts(const SceneDossier& scene) {
 
 // ---- Pictures.
 
-/// Embeds a picture unless this scene has shown the same bytes already.
+/// Embeds a picture unless this scene has shown the same bytes already: then it says so.
 class Gallery {
   public:
-    explicit Gallery(const Dossier& dossier) : dossier_(dossier) {}
+    Gallery(const Dossier& dossier, const SceneDossier& scene)
+        : dossier_(dossier), slug_(slug(scene.name)) {}
 
+    /// `group` and `name`: what the closer look calls it.
     std::string figure(size_t run, const std::string& file, const std::string& title,
-                       const std::string& legend) {
+                       const std::string& legend, const std::string& group,
+                       const std::string& name) {
         const std::string bytes = read_png((*dossier_.folders)[run] / file);
-        if (!shown_.insert(bytes).second) return {};
+        const auto [shown, is_new] = shown_.emplace(
+            bytes, Shown{fmt::format("picture-{}-{}", slug_, shown_.size() + 1), title});
+        const auto& [id, first_title] = shown->second;
+        layers_ +=
+            fmt::format("<option value=\"{}\" data-group=\"{}\">{}</option>", id, group, name);
+        if (!is_new && title == first_title) return {};
+        if (!is_new) {
+            return fmt::format(
+                "<figure><figcaption><strong>{}</strong>byte for byte the picture of "
+                "{}</figcaption></figure>\n",
+                title, first_title);
+        }
         const PngSize size = png_size(bytes);
         return fmt::format(
             "<figure><button type=\"button\" class=\"zoom\" aria-label=\"Enlarge: {0}\">"
-            "<img src=\"{1}\" width=\"{2}\" height=\"{3}\" alt=\"{0}\"></button>"
+            "<img id=\"{5}\" src=\"{1}\" width=\"{2}\" height=\"{3}\" alt=\"{0}\"></button>"
             "<figcaption><strong>{0}</strong>{4}</figcaption></figure>\n",
-            title, data_uri(bytes), size.width, size.height, legend);
+            title, data_uri(bytes), size.width, size.height, legend, id);
     }
 
+    /// Every picture of the gallery by name, with the place where it is shown.
+    std::string layers() const { return "<template class=\"layers\">" + layers_ + "</template>\n"; }
+
   private:
+    struct Shown {
+        std::string id;
+        std::string title;
+    };
+
     const Dossier& dossier_;
-    std::set<std::string> shown_;
+    std::string slug_;
+    std::map<std::string, Shown> shown_;  ///< by content
+    std::string layers_;
 };
 
 std::string ramp_legend(const std::string& low, const std::string& high) {
@@ -94,6 +119,15 @@ std::pair<std::string, std::string> caption(const ImageRecord& image, const std:
                 ramp_legend("0", significant(image.cells_full_scale) + " and more")};
     }
     return {escape(role), {}};
+}
+
+/// In the lists of the closer look: the kind of picture, and whose it is.
+std::pair<std::string, std::string> layer_name(const ImageRecord& image, const std::string& role,
+                                               const std::string& tracer) {
+    if (role == "image") return {"Image", escape(tracer)};
+    if (role == "oracle") return {"Image", escape(image.oracle)};
+    if (role == "difference") return {"Difference from the oracle", escape(tracer)};
+    return {role == "cells" ? "Cells visited" : escape(role), escape(tracer)};
 }
 
 std::string image_figures(const ImageRecord& image) {
@@ -132,14 +166,17 @@ const Entry<CheckRecord>* primary_check(const SceneDossier& scene,
 std::string image_block(const SceneDossier& scene, const Entry<ImageRecord>& image,
                         Gallery& gallery) {
     const std::string tracer = label(scene.images, image);
+    const std::string tracer_text = escape(tracer);
     std::string html = "<div class=\"pictures\">\n";
     for (const auto& [role, file] : image->pictures) {
         const auto [title, legend] = caption(*image.record, role, tracer);
-        html += gallery.figure(image.run, file, title, legend);
+        const auto [group, name] = layer_name(*image.record, role, tracer);
+        html += gallery.figure(image.run, file, title, legend, group, name);
     }
     if (const auto* check = primary_check(scene, image)) {
         html += gallery.figure(check->run, (*check)->picture, "Classes of the primary rays",
-                               class_legend(*check->record));
+                               class_legend(*check->record), "Classes of the primary rays",
+                               tracer_text);
     }
     return html + "</div>\n" + image_figures(*image.record);
 }
@@ -150,7 +187,7 @@ std::string pictures(const Dossier& dossier, const SceneDossier& scene) {
         return "<p class=\"note\">Its pictures are among the <a "
                "href=\"#figures\">figures</a>.</p>\n";
     }
-    Gallery gallery(dossier);
+    Gallery gallery(dossier, scene);
     std::string html = "<h3>Pictures</h3>\n" + image_block(scene, scene.images.front(), gallery);
     for (size_t i = 1; i < scene.images.size(); ++i) {
         const auto& image = scene.images[i];
@@ -161,7 +198,8 @@ std::string pictures(const Dossier& dossier, const SceneDossier& scene) {
             badge(image->passed), escape(label(scene.images, image)), significant(image->psnr_db),
             image_block(scene, image, gallery));
     }
-    return html;
+    const auto index = static_cast<size_t>(&scene - dossier.scenes.data());
+    return html + closer_block(scene, index, gallery.layers());
 }
 
 // ---- The table of disagreements.

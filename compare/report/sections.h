@@ -41,6 +41,14 @@ std::string summary_section(const Dossier& dossier);
 /// picks wrong triangles. Throws: as render_report for a picture.
 std::string scene_section(const Dossier& dossier, const SceneDossier& scene);
 
+/// Two of the scene's pictures under a divider, and its pixels; number `index` of closer_data().
+/// `layers`: the pictures to choose from, a template of option elements.
+std::string closer_block(const SceneDossier& scene, size_t index, const std::string& layers);
+
+/// JSON of what closer_block()s show: one element a scene, in the dossier's order. Not yet safe
+/// inside a script element. Throws: Error for a sheet of pixels that is missing or was edited.
+std::string closer_data(const Dossier& dossier);
+
 /// Where each tracer fails on each ladder: one table over all, then ladder by ladder.
 std::string ladder_section(const Dossier& dossier);
 
@@ -110,6 +118,7 @@ struct Cloud {
     std::string title;
     size_t run = 0;
     bool over_scenes = false;
+    bool every_answer_judged = true;    ///< false: made of timings, errors as `check` counts them
     std::vector<TradeoffPoint> points;  ///< pooled over the parts
     std::vector<TradeoffPoint> parts;   ///< by scene and ray kind
     std::vector<size_t> numbers;        ///< of the settings, from 1; the same in all of the run
@@ -117,7 +126,8 @@ struct Cloud {
     std::vector<bool> front_of_rest;    ///< on_front() among all but Embree's
 };
 
-/// Of each run one over all its scenes, if they are several, and one a scene.
+/// Of each run one over all its scenes, if they are several, and one a scene. A run without
+/// settings held against each other gives its timings, by the device's timer where there is one.
 std::vector<Cloud> clouds(const Dossier& dossier);
 
 /// Where the cloud's points lie along the error rate.

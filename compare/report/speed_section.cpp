@@ -1,12 +1,16 @@
 // Speed: the timing table with errors beside every speed, and the places of its charts.
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "compare/report/html.h"
 #include "compare/report/sections.h"
 #include "compare/statistics.h"
+#include "compare/time_to_image.h"
 #include "compare/timing.h"
+#include "compare/verdict.h"
 
 namespace onepass::report {
 namespace {
@@ -65,7 +69,160 @@ std::string pace_table(const Dossier& dossier) {
            "</tr></thead><tbody>\n" + rows + "</tbody></table></div>\n";
 }
 
-std::string timing_row(const SceneDossier& scene, const Entry<TimingRecord>& timing) {
+constexpr uint64_t kBootstrapSeed = 0;  ///< every reader of the same samples gets the same figures
+
+using Case = std::vector<Entry<TimingRecord>>;
+
+/// The scene's timings by run and rays, in file order.
+std::vector<Case> cases_of(const SceneDossier& scene) {
+    std::vector<Case> cases;
+    for (const auto& timing : scene.timings) {
+        const auto same = std::find_if(cases.begin(), cases.end(), [&](const Case& c) {
+            return c.front().run == timing.run && c.front()->rays == timing->rays;
+        });
+        if (same == cases.end()) {
+            cases.push_back({timing});
+        } else {
+            same->push_back(timing);
+        }
+    }
+    return cases;
+}
+
+std::vector<const TimingRecord*> records_of(const Case& timings) {
+    std::vector<const TimingRecord*> records;
+    for (const auto& timing : timings) records.push_back(timing.record);
+    return records;
+}
+
+std::string verdict_cell(const SpeedComparison& comparison) {
+    return cell(escape(to_string(comparison.verdict)), "text");
+}
+
+std::string noise_text(double noise) {
+    return std::isnan(noise) ? "not known" : significant(100.0 * noise, 2) + " %";
+}
+
+std::string errors_cell(uint64_t errors) {
+    return cell(grouped(errors), errors == 0 ? "errors" : "errors bad");
+}
+
+/// A table under its own heading; empty without rows.
+std::string titled_table(const std::string& title, const std::string& headings,
+                         const std::string& rows, const std::string& note) {
+    if (rows.empty()) return {};
+    return fmt::format(
+        "<h4>{0}</h4>\n<p class=\"note\">{1}</p>\n<div class=\"scroll\" "
+        "tabindex=\"0\" role=\"region\" aria-label=\"{0}\"><table><thead><tr>{2}"
+        "</tr></thead><tbody>\n{3}</tbody></table></div>\n",
+        title, note, headings, rows);
+}
+
+std::string case_heading(const SceneDossier& scene, const Entry<TimingRecord>& timing) {
+    return fmt::format("<tr><th scope=\"row\">{}<small>{}</small></th>",
+                       escape(label(scene.timings, timing)), escape(timing->rays));
+}
+
+/// Each tracer against the one that had a rival in the same rounds.
+std::string pair_table(const SceneDossier& scene) {
+    std::string rows;
+    for (const Case& timings : cases_of(scene)) {
+        const std::vector<const TimingRecord*> records = records_of(timings);
+        const TimingRecord* baseline = baseline_of(records);
+        if (!baseline) continue;
+        for (const auto& timing : timings) {
+            if (timing.record == baseline) continue;
+            const bool by_device = !timing->device_ms.empty() && !baseline->device_ms.empty();
+            const double noise = noise_of_case(records, by_device, kBootstrapSeed);
+            const SpeedComparison c =
+                compare_speeds(*timing.record, *baseline, noise, kBootstrapSeed);
+            rows += case_heading(scene, timing);
+            rows += cell(escape(baseline->tracer), "text");
+            rows += cell(fmt::format("{} ×<small>{} – {}</small>", significant(c.speed.ratio),
+                                     significant(c.speed.low), significant(c.speed.high)));
+            rows += cell(noise_text(noise)) + verdict_cell(c);
+            rows += errors_cell(timing->errors) + errors_cell(baseline->errors) + "</tr>\n";
+        }
+    }
+    return titled_table(
+        "Pair by pair on " + escape(scene.name),
+        heading_cell("Tracer", "text") + heading_cell("Against", "text") +
+            heading_cell("Speed<small>95 % interval</small>") + heading_cell("Noise") +
+            heading_cell("Verdict", "text") + heading_cell("Errors") +
+            heading_cell("Errors of the other"),
+        rows,
+        "The median of the rounds’ ratios, with its 95 % bootstrap interval over rounds. The noise "
+        "is how far the same interval reaches from 1 for the tracer held against and a rival "
+        "identical to it, in the same rounds. Faster or slower is said only if the interval, "
+        "widened on both sides by the noise, leaves 1 out.");
+}
+
+std::string per_ray_cell(uint64_t count, const TimingRecord& timing) {
+    return cell(significant(static_cast<double>(count) / static_cast<double>(timing.ray_count)));
+}
+
+std::string counter_table(const SceneDossier& scene) {
+    std::string rows;
+    for (const auto& timing : scene.timings) {
+        if (!timing->counts) continue;
+        const CastCounts& counts = *timing->counts;
+        rows += case_heading(scene, timing);
+        rows += per_ray_cell(counts.cells, *timing.record);
+        rows += per_ray_cell(counts.tests, *timing.record);
+        rows += cell(
+            counts.walked_tests == 0 ? "–" : percent(counts.repeated_tests, counts.walked_tests));
+        rows += per_ray_cell(counts.references, *timing.record);
+        rows += cell(significant(timing->mrays_per_s)) + errors_cell(timing->errors) + "</tr>\n";
+    }
+    return titled_table(
+        "What a ray costs on " + escape(scene.name),
+        heading_cell("Tracer", "text") + heading_cell("Cells a ray") + heading_cell("Tests a ray") +
+            heading_cell("Repeated tests") + heading_cell("References a ray") +
+            heading_cell("Mrays/s") + heading_cell("Errors"),
+        rows,
+        "Counted in a pass of its own: no timed cast counts. <em>Repeated tests</em> "
+        "are of a triangle that the ray had tested before, of a sample of rays, "
+        "where a tracer tells its way.");
+}
+
+std::string crossing_text(const Crossing& from) {
+    if (from.rays == 0.0) return "0";
+    return fmt::format("{}<small>{} – {}</small>", significant(from.rays), significant(from.low),
+                       significant(from.high));
+}
+
+/// Build and rays: who has an image first, from how many rays on.
+std::string image_table(const Dossier& dossier, const SceneDossier& scene) {
+    std::string rows;
+    for (const Case& timings : cases_of(scene)) {
+        const std::vector<const TimingRecord*> records = records_of(timings);
+        const Results& run = (*dossier.runs)[timings.front().run];
+        const std::vector<ImageLine> lines = image_lines(records, run.builds);
+        for (const FirstWithImage& first : first_with_image(lines, kBootstrapSeed)) {
+            const ImageLine& line = lines[first.line];
+            const auto timing = std::find_if(timings.begin(), timings.end(), [&](const auto& t) {
+                return t.record == line.timing;
+            });
+            rows += case_heading(scene, *timing);
+            rows += cell(crossing_text(first.from)) + cell(significant(build_ms(line)));
+            rows +=
+                cell(significant(ms_per_mray(line))) + errors_cell(line.timing->errors) + "</tr>\n";
+        }
+    }
+    return titled_table("Time to image on " + escape(scene.name),
+                        heading_cell("First with its image", "text") +
+                            heading_cell("From, rays<small>95 % interval</small>") +
+                            heading_cell("Build, ms") + heading_cell("ms a million rays") +
+                            heading_cell("Errors"),
+                        rows,
+                        "An image costs the build, packing included, and then its rays by wall "
+                        "time. From the number of rays named on, this tracer has its image before "
+                        "all others; who is not listed never has. ∞: the rounds leave open whether "
+                        "it ever does. Compiling shaders and bringing structures to a device are "
+                        "not in it.");
+}
+
+std::string timing_row(const SceneDossier& scene, const Entry<TimingRecord>& timing, double noise) {
     const bool software = timing.tracer && timing.tracer->software_renderer;
     std::string html =
         fmt::format("<tr><th scope=\"row\">{}{}</th>", escape(label(scene.timings, timing)),
@@ -80,6 +237,9 @@ std::string timing_row(const SceneDossier& scene, const Entry<TimingRecord>& tim
     html += cell(grouped(timing->edges), timing->edges == 0 ? "zero" : "");
     html += cell(fmt::format("{}<small>{} – {}</small>", significant(timing->ratio),
                              significant(timing->ratio_low), significant(timing->ratio_high)));
+    html += timing->tracer == timing->oracle
+                ? cell("–")
+                : verdict_cell(compare_with_oracle(*timing.record, noise, kBootstrapSeed));
     html += cell(significant(timing->median_ms));
     html += cell(spread(timing->wall_ms));
     html += device_cell(*timing.record);
@@ -94,10 +254,18 @@ std::string timing_table(const SceneDossier& scene) {
     html += heading_cell("Tracer", "text") + heading_cell("Rays", "text");
     html += heading_cell("Mrays/s") + heading_cell("Errors") + heading_cell("Edges");
     html += heading_cell("Ratio to Embree<small>95 % interval</small>");
+    html += heading_cell("Verdict", "text");
     html += heading_cell("Median, ms") + heading_cell("Spread");
     html += heading_cell("Device, ms<small>Mrays/s, ratio</small>") + heading_cell("Samples") +
             "</tr></thead><tbody>\n";
-    for (const auto& timing : scene.timings) html += timing_row(scene, timing);
+    const std::vector<Case> cases = cases_of(scene);
+    for (const auto& timing : scene.timings) {
+        const auto of = std::find_if(cases.begin(), cases.end(), [&](const Case& c) {
+            return c.front().run == timing.run && c.front()->rays == timing->rays;
+        });
+        const double noise = noise_of_case(records_of(*of), false, kBootstrapSeed);
+        html += timing_row(scene, timing, noise);
+    }
     return html + "</tbody></table></div>\n";
 }
 
@@ -115,7 +283,9 @@ std::string chart(const std::string& kind, const std::string& title, const std::
 std::string speed_section(const Dossier& dossier) {
     std::string tables;
     for (const SceneDossier& scene : dossier.scenes) {
-        if (!scene.timings.empty()) tables += timing_table(scene);
+        if (scene.timings.empty()) continue;
+        tables += timing_table(scene) + pair_table(scene) + counter_table(scene) +
+                  image_table(dossier, scene);
     }
     const std::string paces = pace_table(dossier);
     std::string html = "<section id=\"speed\">\n<h2>Speed</h2>\n";
@@ -124,15 +294,14 @@ std::string speed_section(const Dossier& dossier) {
                   "Above 1 is faster than the oracle on the same rays in the same rounds. The "
                   "whisker is the 95 % bootstrap interval; the count after each name is its "
                   "errors.");
-    html += chart("scatter", "Speed against errors",
-                  "Up is faster, left is cleaner. One point a scene, ray kind and tracer; the "
-                  "colour is the tracer, the shape the scene.");
     html += tables;
     html +=
         "<p class=\"note\">Times are wall times from launch to finish, without upload and "
         "read-back; all tracers of a table took turns in random order in one process. "
         "<em>Errors</em> are those of the same tracer on the same rays in the same run. "
-        "<em>Spread</em>: the middle half of the samples, as a share of the median. "
+        "<em>Verdict</em>: against the oracle, by the rule of the pairs; without a rival in the "
+        "run, by the interval alone. <em>Spread</em>: the middle half of the samples, as a share "
+        "of the median. "
         "<em>Device</em>: the device’s own timer, where it can be trusted; its ratio is of the "
         "oracle’s wall time to it.</p>\n";
     html += paces;

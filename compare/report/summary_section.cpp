@@ -1,11 +1,14 @@
 // The first section: what was compared, on what, and one verdict a scene.
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <map>
 #include <set>
 
 #include <fmt/format.h>
 
 #include "compare/report/html.h"
+#include "compare/report/ladders.h"
 #include "compare/report/sections.h"
 
 namespace onepass::report {
@@ -19,6 +22,40 @@ std::string joined(const std::set<std::string>& names) {
         text += (text.empty() ? "" : ", ") + fmt::format("<code>{}</code>", escape(name));
     }
     return text;
+}
+
+std::string braced(const std::set<std::string>& parts) {
+    std::string text;
+    for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+    return parts.size() == 1 ? text : "{" + text + "}";
+}
+
+/// Tracers as a shell's braces would name them, "grid/{buffer, ssbo}/{compute, fragment}", where
+/// all of those forms are there.
+std::string joined_tracers(const std::set<std::string>& names) {
+    struct Forms {
+        std::set<std::string> storages, entries, names;
+    };
+    std::map<std::string, Forms> strategies;
+    for (const std::string& name : names) {
+        const size_t first = name.find('/'), last = name.rfind('/');
+        const bool has_parts = first != std::string::npos && first < last;
+        Forms& forms = strategies[name.substr(0, first)];
+        forms.storages.insert(has_parts ? name.substr(first + 1, last - first - 1) : name);
+        forms.entries.insert(has_parts ? name.substr(last + 1) : name);
+        forms.names.insert(name);
+    }
+    std::set<std::string> short_names;
+    for (const auto& [strategy, forms] : strategies) {
+        if (forms.names.size() > 1 &&
+            forms.names.size() == forms.storages.size() * forms.entries.size()) {
+            short_names.insert(strategy + "/" + braced(forms.storages) + "/" +
+                               braced(forms.entries));
+        } else {
+            short_names.insert(forms.names.begin(), forms.names.end());
+        }
+    }
+    return joined(short_names);
 }
 
 std::string scope_paragraph(const Dossier& dossier) {
@@ -48,7 +85,7 @@ std::string scope_paragraph(const Dossier& dossier) {
     for (auto* names : {&tracers, &oracles, &judges, &rays, &devices}) names->erase("");
 
     std::string text = "<p class=\"lead\">";
-    if (!tracers.empty()) text += fmt::format("Compared: {}", joined(tracers));
+    if (!tracers.empty()) text += fmt::format("Compared: {}", joined_tracers(tracers));
     if (!oracles.empty()) text += fmt::format(" against {}", joined(oracles));
     if (!rays.empty()) text += fmt::format(", on rays of kind {}", joined(rays));
     text += ".";
@@ -58,7 +95,7 @@ std::string scope_paragraph(const Dossier& dossier) {
 }
 
 std::string key_figure(const std::string& value, const std::string& name) {
-    return fmt::format("<div><dd>{}</dd><dt>{}</dt></div>", value, name);
+    return fmt::format("<div><dt>{1}</dt><dd>{0}</dd></div>", value, name);
 }
 
 std::string key_figures(const Dossier& dossier) {
@@ -113,6 +150,96 @@ std::vector<Total> totals(const Dossier& dossier) {
         for (size_t c = 0; c < kHitClassCount; ++c) total->classes[c] += check->classes[c].count;
     }
     return totals;
+}
+
+// ---- The verdict, in sentences.
+
+std::string finding(const std::string& word, const std::string& sentence) {
+    return fmt::format("<li><strong>{}</strong> {}</li>\n", word, sentence);
+}
+
+/// Who is right everywhere, and who is not.
+std::string right_and_wrong(const Dossier& dossier) {
+    std::map<std::string, bool> passed;
+    std::map<std::string, std::pair<uint64_t, uint64_t>> errors_of_rays;
+    for (const SceneDossier& scene : dossier.scenes) {
+        for (const auto& check : scene.checks) {
+            const auto known = passed.emplace(check->tracer, true).first;
+            known->second &= check->passed;
+            errors_of_rays[check->tracer].first += check->errors();
+            errors_of_rays[check->tracer].second += check->ray_count;
+        }
+    }
+    std::set<std::string> right, wrong;
+    double least = 1.0, most = 0.0;  // shares of errors among the wrong
+    for (const auto& [tracer, has_passed] : passed) {
+        (has_passed ? right : wrong).insert(tracer);
+        const auto& [errors, rays] = errors_of_rays[tracer];
+        if (has_passed || rays == 0) continue;
+        least = std::min(least, static_cast<double>(errors) / static_cast<double>(rays));
+        most = std::max(most, static_cast<double>(errors) / static_cast<double>(rays));
+    }
+    std::string html;
+    if (!right.empty()) {
+        html +=
+            finding("Right.", fmt::format("{} of {}: {} passed every check.", right.size(),
+                                          counted(passed.size(), "tracer"), joined_tracers(right)));
+    }
+    if (!wrong.empty()) {
+        const std::string share = least == most
+                                      ? significant(100.0 * most) + "\u00a0%"
+                                      : fmt::format("{} to {}\u00a0%", significant(100.0 * least),
+                                                    significant(100.0 * most));
+        html += finding("Wrong.", fmt::format("{} failed a check; {} of the answers are errors.",
+                                              joined_tracers(wrong), share));
+    }
+    return html;
+}
+
+std::string speed_text(const TradeoffPoint& point) {
+    return fmt::format("{} times the speed of <code>{}</code> ({} to {})", significant(point.ratio),
+                       escape(point.oracle), significant(point.ratio_low),
+                       significant(point.ratio_high));
+}
+
+/// Who is fastest, with and without errors. Embree does not compete with itself.
+std::string fastest(const Dossier& dossier) {
+    std::string html;
+    const std::vector<Cloud> all = clouds(dossier);
+    for (size_t c = 0; c < all.size(); ++c) {
+        const Cloud& cloud = all[c];
+        if (c > 0 && all[c - 1].run == cloud.run) continue;  // the first of a run is over all of it
+        const TradeoffPoint* clean = nullptr;
+        const TradeoffPoint* any = nullptr;
+        for (const TradeoffPoint& point : cloud.points) {
+            if (point.tracer.starts_with("embree/") || std::isnan(point.ratio)) continue;
+            if (!any || point.ratio > any->ratio) any = &point;
+            if (point.errors == 0 && (!clean || point.ratio > clean->ratio)) clean = &point;
+        }
+        if (!any) continue;
+        std::string text;
+        if (clean) {
+            text =
+                fmt::format("without an error <code>{}</code> is the fastest: {}.",
+                            escape(name_of({clean->tracer, clean->setting})), speed_text(*clean));
+        }
+        if (any != clean) {
+            text += fmt::format(
+                "{}<code>{}</code> is the fastest of all, {}, with errors on {} of "
+                "the rays.",
+                clean ? " " : "", escape(name_of({any->tracer, any->setting})), speed_text(*any),
+                percent(any->errors, any->ray_count));
+        }
+        html += finding("Fast.", fmt::format("{}: {} <a href=\"#tradeoff\">Speed against "
+                                             "accuracy</a>.",
+                                             escape(cloud.title), text));
+    }
+    return html;
+}
+
+std::string findings(const Dossier& dossier) {
+    const std::string items = right_and_wrong(dossier) + fastest(dossier);
+    return items.empty() ? "" : "<ul class=\"findings\">\n" + items + "</ul>\n";
 }
 
 /// The classes of every tracer over all scenes: a tracer may have been checked on fewer of them.
@@ -252,7 +379,7 @@ std::string summary_section(const Dossier& dossier) {
             "hits and errors do carry over as far as both round alike.</p>\n";
     }
     if (dossier.scenes.empty()) return html + "</section>\n";
-    html += scope_paragraph(dossier);
+    html += findings(dossier) + scope_paragraph(dossier);
     html += key_figures(dossier) + totals_table(dossier);
     html += "<ul class=\"verdicts\">\n";
     for (const SceneDossier& scene : dossier.scenes) html += verdict_row(scene);

@@ -8,6 +8,7 @@
 #include "compare/report/html.h"
 #include "compare/report/ladders.h"
 #include "compare/report/sections.h"
+#include "compare/timing.h"
 #include "compare/tradeoff.h"
 
 namespace onepass::report {
@@ -153,12 +154,42 @@ std::string device_of(const Manifest& manifest) {
     return fmt::format(" <span class=\"quiet\">{}</span>", escape(name));
 }
 
+/// A timing as a point: by the device's timer where there is one, as tables of rates are read.
+TradeoffPoint point_of(const TimingRecord& timing, uint64_t seed) {
+    TradeoffPoint point;
+    point.scene = timing.scene;
+    point.rays = timing.rays;
+    point.tracer = timing.tracer;
+    point.oracle = timing.oracle;
+    point.ray_count = timing.ray_count;
+    point.errors = timing.errors;
+    point.edges = timing.edges;
+    const bool on_device = !timing.device_ms.empty() &&
+                           timing.device_ms.size() == timing.oracle_wall_ms.size() &&
+                           timing.device_ms.size() == timing.wall_ms.size();
+    const RatioInterval device = on_device ? device_speed(timing, seed).ratio : RatioInterval{};
+    point.ratio = on_device ? device.ratio : timing.ratio;
+    point.ratio_low = on_device ? device.low : timing.ratio_low;
+    point.ratio_high = on_device ? device.high : timing.ratio_high;
+    return point;
+}
+
+std::vector<TradeoffPoint> points_of(const Results& run) {
+    if (!run.tradeoffs.empty() || !run.claims.empty()) return run.tradeoffs;
+    std::vector<TradeoffPoint> points;
+    for (const TimingRecord& timing : run.timings) {
+        points.push_back(point_of(timing, run.manifest.seed));
+    }
+    return points;
+}
+
 }  // namespace
 
 std::vector<Cloud> clouds(const Dossier& dossier) {
     std::vector<Cloud> all;
     for (size_t r = 0; r < dossier.runs->size(); ++r) {
-        const std::vector<TradeoffPoint>& points = (*dossier.runs)[r].tradeoffs;
+        const std::vector<TradeoffPoint> points = points_of((*dossier.runs)[r]);
+        const size_t first = all.size();
         const std::vector<Climber> settings = settings_of(points);
         std::vector<std::string> scenes;
         for (const TradeoffPoint& point : points) {
@@ -177,6 +208,9 @@ std::vector<Cloud> clouds(const Dossier& dossier) {
                 if (point.scene == scene) parts.push_back(point);
             }
             all.push_back(make_cloud(scene, r, settings, std::move(parts)));
+        }
+        for (size_t i = first; i < all.size(); ++i) {
+            all[i].every_answer_judged = !(*dossier.runs)[r].tradeoffs.empty();
         }
     }
     return all;
@@ -205,10 +239,13 @@ CloudAxis cloud_axis(const Cloud& cloud) {
 std::string tradeoff_section(const Dossier& dossier) {
     const std::vector<Cloud> all = clouds(dossier);
     if (all.empty()) return {};
-    std::string html =
+    const bool judged = std::all_of(all.begin(), all.end(),
+                                    [](const Cloud& cloud) { return cloud.every_answer_judged; });
+    std::string html = fmt::format(
         "<section id=\"tradeoff\">\n<h2>Speed against accuracy</h2>\n"
-        "<p class=\"lead\">The same rays by every setting, all in random order in the same rounds, "
-        "and every answer judged. Up is faster, left is more often right.</p>\n";
+        "<p class=\"lead\">The same rays by every setting, all in random order in the same "
+        "rounds{}. Up is faster, left is more often right.</p>\n",
+        judged ? ", and every answer judged" : "");
     for (size_t i = 0; i < all.size(); ++i) {
         const bool several = all.back().run != all.front().run;
         html +=
@@ -220,9 +257,10 @@ std::string tradeoff_section(const Dossier& dossier) {
         "others. <em>Ratio</em>: speed relative to <code>{}</code>; over several ray kinds or "
         "scenes the geometric mean, with errors and rays added up; a setting that one of them "
         "lacks is not in the mean. No error among N rays means a share below 1/N, and no more is "
-        "known: such points lie in the strip on the left, apart only to be seen. Edges are right "
-        "for a ray within 4 ulps, and no errors. Judge: {}.</p>\n",
+        "known: such points lie in the strip on the left, apart only to be seen. {} Edges are "
+        "right for a ray within 4 ulps, and no errors. Judge: {}.</p>\n",
         escape(all.front().points.empty() ? "" : all.front().points.front().oracle),
+        judged ? "" : "Times are the device’s own where it has a timer to trust, else wall times.",
         escape((*dossier.runs)[all.front().run].manifest.judge));
     return html + "</section>\n";
 }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <limits>
 
@@ -85,6 +86,55 @@ uvec3 resolution_by_density(const Bounds& bounds, uint64_t primitive_count,
 }
 
 }  // namespace
+
+void check_object_count(const TwoLevelSizing& sizing, size_t objects) {
+    if (sizing.objects.empty() || sizing.objects.size() == objects) return;
+    throw Error({.where = "sizes of object grids",
+                 .got = fmt::format("{} sizes", sizing.objects.size()),
+                 .expected = fmt::format("{}, one an object of the scene", objects),
+                 .remedy = "Give one size for all objects, or one for each."});
+}
+
+uvec3 parse_resolution(std::string_view text, const std::string& where) {
+    uvec3 resolution(0);
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto [next, status] = std::from_chars(at, end, resolution[axis]);
+        const bool last = axis == 2;
+        if (status != std::errc() || (last ? next != end : next == end || *next != 'x')) {
+            throw Error({where, fmt::format("'{}'", text), "cells as XxYxZ",
+                         "Write for example 32x32x32."});
+        }
+        at = next + 1;
+    }
+    return resolution;
+}
+
+GridSizing parse_grid_sizing(std::string_view text, const std::string& where) {
+    GridSizing sizing;
+    if (text.find('x') != std::string_view::npos) {
+        sizing.resolution = parse_resolution(text, where);
+        return sizing;
+    }
+    const char* const end = text.data() + text.size();
+    const auto [stop, status] = std::from_chars(text.data(), end, sizing.density);
+    const bool sound = status == std::errc() && stop == end && std::isfinite(sizing.density);
+    if (!sound || sizing.density <= 0.0) {
+        throw Error({where, fmt::format("'{}'", text),
+                     "a density above 0 (cells per primitive), or cells as XxYxZ",
+                     "Write for example 8 or 32x32x32."});
+    }
+    return sizing;
+}
+
+std::string to_text(uvec3 resolution) {
+    return fmt::format("{}x{}x{}", resolution.x, resolution.y, resolution.z);
+}
+
+std::string to_text(const GridSizing& sizing) {
+    return sizing.resolution ? to_text(*sizing.resolution) : fmt::format("{}", sizing.density);
+}
 
 uvec3 grid_resolution(const Bounds& bounds, uint64_t primitive_count, const GridSizing& sizing) {
     for (int axis = 0; axis < 3; ++axis) ONEPASS_CHECK_LT(bounds.lower[axis], bounds.upper[axis]);

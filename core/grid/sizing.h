@@ -6,6 +6,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "core/bounds.h"
 #include "core/types.h"
@@ -25,10 +28,26 @@ struct GridSizing {
 /// hierarchy); the paper does not state its formula.
 struct TwoLevelSizing {
     GridSizing top{.density = 1.2};
-    GridSizing object{.density = 5.0};
+    GridSizing object{.density = 5.0};  ///< of every object, unless `objects` says more
+    std::vector<GridSizing> objects{};  ///< empty, or one an object of the scene, in its order
+
+    const GridSizing& of_object(size_t k) const { return objects.empty() ? object : objects[k]; }
 
     bool operator==(const TwoLevelSizing&) const = default;
 };
+
+/// Throws: Error if `objects` is neither empty nor one for each of so many objects.
+void check_object_count(const TwoLevelSizing& sizing, size_t objects);
+
+/// "64x32x32" -> (64, 32, 32). Throws: Error at `where` for another form.
+uvec3 parse_resolution(std::string_view text, const std::string& where);
+
+/// A resolution ("64x32x32"), or else a density ("4.5"). Throws: Error at `where`.
+GridSizing parse_grid_sizing(std::string_view text, const std::string& where);
+
+/// What parse_grid_sizing reads back as an equal value: density or resolution, without the clamp.
+std::string to_text(const GridSizing& sizing);
+std::string to_text(uvec3 resolution);
 
 /// No grid may have more cells: their begins alone take 8 GiB, and cell indices stay in 32 bits.
 inline constexpr uint64_t kMaxCells = uint64_t{1} << 31;

@@ -16,7 +16,7 @@ struct TwoLevelGrid {
     double build_ms = 0.0;             ///< wall time of the build
 };
 
-/// Cost: the sum of its grids. Throws: as build_box_grid and build_triangle_grid.
+/// Cost: the sum of its grids. Throws: as build_box_grid, build_triangle_grid, check_object_count.
 TwoLevelGrid build_two_level_grid(const Scene& scene, const TwoLevelSizing& sizing,
                                   Duplicates duplicates = Duplicates::kept);
 

@@ -101,12 +101,18 @@ void put_lattice(float* frame_texels, uint32_t* numbers, const IrregularGrid& gr
 
 TwoLevelIrregularGrid build_two_level_irregular_grid(const Scene& scene,
                                                      const IrregularGridSettings& settings,
-                                                     const GridSizing& top) {
+                                                     const GridSizing& top,
+                                                     const std::vector<double>& densities) {
     const auto start = std::chrono::steady_clock::now();
+    TwoLevelSizing sizing;
+    for (const double density : densities) sizing.objects.push_back({.density = density});
+    check_object_count(sizing, scene.objects.size());
     TwoLevelIrregularGrid grid;
     grid.objects.resize(scene.objects.size());
     tbb::parallel_for(size_t{0}, scene.objects.size(), [&](size_t k) {
-        grid.objects[k] = build_irregular_grid(scene.objects[k], settings);
+        IrregularGridSettings own = settings;
+        if (!densities.empty()) own.density = densities[k];
+        grid.objects[k] = build_irregular_grid(scene.objects[k], own);
     });
     grid.around.top = build_box_grid(instance_bounds(scene), top);
     for (const IrregularGrid& object : grid.objects) {

@@ -19,10 +19,13 @@ struct TwoLevelIrregularGrid {
     double build_ms = 0.0;  ///< wall time of the build
 };
 
-/// Cost: the sum of its grids. Throws: as build_irregular_grid and build_box_grid.
+/// `densities`: empty, or one an object, instead of settings.density.
+/// Cost: the sum of its grids. Throws: as build_irregular_grid and build_box_grid; Error for
+/// another number of densities than objects.
 TwoLevelIrregularGrid build_two_level_irregular_grid(const Scene& scene,
                                                      const IrregularGridSettings& settings,
-                                                     const GridSizing& top);
+                                                     const GridSizing& top,
+                                                     const std::vector<double>& densities = {});
 
 /// Layouts in gpu_glsl/shaders/storage/irregular_grid/irregular_cells.glsl and
 /// shared/irregular_grid_layout.h.

@@ -5,58 +5,20 @@
 #include <map>
 #include <string>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include "compare/ablation.h"
 #include "compare/npy.h"
 #include "compare/results.h"
 #include "core/io/load.h"
+#include "tests/support/program.h"
 #include "tests/support/temporary_folder.h"
 
 namespace onepass {
 namespace {
-
-struct Outcome {
-    int exit_code = -1;
-    std::string out;
-    std::string err;
-};
-
-/// Starts the program in `folder` with stdout and stderr in files there.
-pid_t start(const TemporaryFolder& folder, const std::vector<std::string>& arguments) {
-    std::vector<std::string> words = {ONEPASS_BINARY};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    const std::string out = folder.path() / ".stdout";
-    const std::string err = folder.path() / ".stderr";
-    const std::string where = folder.path();
-
-    const pid_t child = fork();
-    if (child != 0) return child;
-    const int flags = O_WRONLY | O_CREAT | O_TRUNC;
-    dup2(open(out.c_str(), flags, 0644), STDOUT_FILENO);
-    dup2(open(err.c_str(), flags, 0644), STDERR_FILENO);
-    if (chdir(where.c_str()) == 0) execv(argv[0], argv.data());
-    _exit(127);
-}
-
-Outcome finish(const TemporaryFolder& folder, pid_t child) {
-    int status = 0;
-    waitpid(child, &status, 0);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status),
-            read_bytes(folder.path() / ".stdout"), read_bytes(folder.path() / ".stderr")};
-}
-
-Outcome onepass_in(const TemporaryFolder& folder, const std::vector<std::string>& arguments) {
-    return finish(folder, start(folder, arguments));
-}
 
 /// What the program left behind, apart from its captured streams.
 std::vector<std::string> leftovers(const TemporaryFolder& folder) {
@@ -94,11 +56,42 @@ TEST(Help, lists_every_command) {
     const TemporaryFolder folder;
     const Outcome outcome = onepass_in(folder, {"--help"});
     EXPECT_EQ(outcome.exit_code, 0);
-    for (const char* command : {"doctor", "list", "render", "check", "explain", "bench", "tune",
-                                "stress", "reproduce", "report", "shader", "scenes"}) {
+    for (const char* command :
+         {"doctor", "list", "render", "check", "explain", "bench", "compare", "tune", "stress",
+          "reproduce", "merge", "report", "shader", "scenes"}) {
         EXPECT_NE(outcome.out.find(std::string("\n  ") + command), std::string::npos) << command;
     }
     EXPECT_NE(outcome.out.find("Exit codes"), std::string::npos);
+}
+
+TEST(Tune, writes_sizes_that_check_takes_and_says_so_in_its_records) {
+    const TemporaryFolder folder;
+    const Outcome tuned =
+        onepass_in(folder, {"tune", "knife", "-s", "grid/buffer/twin32", "--size", "16x16",
+                            "--densities", "1,4", "--sizing", "auto", "--repetitions", "9",
+                            "--warm-up", "0", "--json", "tune.json", "--sizing-out", "sizes.json"});
+    ASSERT_EQ(tuned.exit_code, 0) << tuned.err;
+    const Results study = read_results(folder.path() / "tune.json");
+    ASSERT_EQ(study.sweeps.size(), 3u) << "two listed, and auto";
+    EXPECT_EQ(study.sweeps[2].chosen, "auto");
+
+    const std::vector<std::string> check = {"check",      "knife",   "-s",     "grid/buffer/twin32",
+                                            "--size",     "16x16",   "--json", "check.json",
+                                            "--no-image", "--sizing"};
+    const Outcome checked = onepass_in(folder, with(check, {"sizes.json"}));
+    EXPECT_EQ(checked.exit_code, 0) << checked.err;
+    const Results results = read_results(folder.path() / "check.json");
+    EXPECT_EQ(results.tracers[0].sizing, "sizes.json");
+    const auto file = nlohmann::json::parse(read_bytes(folder.path() / "sizes.json"));
+    EXPECT_EQ(results.tracers[0].params.at("density"),
+              file["scenes"][0]["tracers"][0]["objects"][0]["size"]);
+
+    std::filesystem::remove(folder.path() / "check.json");
+    expect_refused(folder,
+                   with({"check", "sr71a", "-s", "grid/buffer/twin32", "--sizing"}, {"sizes.json"}),
+                   "hash");
+    expect_refused(folder, with(check, {"none.json"}), "none.json");
+    expect_refused(folder, with(with(check, {"sizes.json"}), {"--param", "density=2"}), "--sizing");
 }
 
 TEST(Help, states_defaults_and_units) {
@@ -110,7 +103,7 @@ TEST(Help, states_defaults_and_units) {
     const std::string bench = onepass_in(folder, {"bench", "--help"}).out;
     EXPECT_NE(bench.find("ms"), std::string::npos);
     EXPECT_NE(bench.find("=11"), std::string::npos) << bench;
-    EXPECT_NE(onepass_in(folder, {"tune", "--help"}).out.find("[0.5,1,2,4,8,16,32]"),
+    EXPECT_NE(onepass_in(folder, {"tune", "--help"}).out.find("cells a triangle"),
               std::string::npos);
 }
 
@@ -711,6 +704,33 @@ TEST(Report, makes_a_page_from_results) {
     const Outcome outcome = onepass_in(folder, {"report", "run.json", "-o", "page.html"});
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_NE(read_bytes(folder.path() / "page.html").find("balls-1"), std::string::npos);
+}
+
+TEST(Report, check_passes_what_a_run_wrote_and_fails_what_somebody_edited) {
+    const TemporaryFolder folder;
+    onepass_in(folder, with(kSmallCheck, {"--json", "run.json"}));
+    const std::vector<std::string> check = {"report", "--check", "run.json"};
+    const Outcome untouched = onepass_in(folder, check);
+    EXPECT_EQ(untouched.exit_code, 0) << untouched.out;
+    EXPECT_NE(untouched.out.find("the digest is right"), std::string::npos) << untouched.out;
+
+    const std::string text = read_bytes(folder.path() / "run.json");
+    const size_t at = text.find("\"seed\": 1");
+    ASSERT_NE(at, std::string::npos);
+    folder.write("run.json", std::string(text).replace(at, 9, "\"seed\": 2"));
+    const Outcome edited = onepass_in(folder, check);
+    EXPECT_EQ(edited.exit_code, 1);
+    EXPECT_NE(edited.out.find("FAILED"), std::string::npos) << edited.out;
+    EXPECT_NE(edited.out.find("DIGEST"), std::string::npos) << edited.out;
+}
+
+TEST(Report, leaves_figures_in_a_folder_and_wants_to_know_what_to_make) {
+    const TemporaryFolder folder;
+    onepass_in(folder, with(kSmallCheck, {"--json", "run.json"}));
+    const Outcome outcome = onepass_in(folder, {"report", "run.json", "--figures", "it's new"});
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_TRUE(std::filesystem::exists(folder.path() / "it's new" / "checks.csv"));
+    expect_refused(folder, {"report", "run.json"}, "--figures");
 }
 
 // ---- Stress ----

@@ -35,6 +35,14 @@ TEST(Ablation, a_devices_own_timer_counts_before_the_wall_clock) {
     EXPECT_DOUBLE_EQ(median_ms(records[1]), 1.0);
 }
 
+TEST(Ablation, a_side_that_could_not_be_made_has_no_ratio_and_the_others_have_theirs) {
+    std::vector<AblationRecord> records = {record_of(2.0, 0.0), {}, record_of(1.0, 0.0)};
+    records[1].failure = "too large";
+    compare_ablations(records, 1);
+    EXPECT_EQ(records[1].ratio, 0.0);
+    EXPECT_DOUBLE_EQ(records[2].ratio, 2.0);
+}
+
 TEST(Ablation, a_step_that_is_a_storage_changes_the_middle_of_the_name) {
     EXPECT_EQ(tracer_without("grid/buffer/compute", {.without = "x", .storage = "ssbo"}),
               "grid/ssbo/compute");

@@ -13,6 +13,8 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include "compare/hash.h"
+#include "compare/report/dossier.h"
 #include "compare/report/html.h"
 #include "compare/report/pictures.h"
 #include "compare/report/sections.h"
@@ -472,6 +474,16 @@ size_t timed_sizes(const Results& run) {
                       [](const SweepPoint& p) { return p.failure.empty(); }));
 }
 
+/// Of all charts of speed against accuracy.
+size_t cloud_points(const std::vector<Results>& runs) {
+    const std::vector<fs::path> folders(runs.size());
+    size_t points = 0;
+    for (const report::Cloud& cloud : report::clouds(report::gather(runs, folders))) {
+        points += cloud.points.size();
+    }
+    return points;
+}
+
 std::vector<std::string> matches(const std::string& text, const std::string& pattern) {
     std::vector<std::string> all;
     const std::regex regex(pattern);
@@ -523,7 +535,8 @@ TEST_F(Report, shows_no_speed_without_its_errors) {
         ++speeds;
         EXPECT_NE(row.find("class=\"errors"), std::string::npos) << row;
     }
-    EXPECT_EQ(speeds, sample_bench_run().timings.size() + timed_sizes(sample_tune_run()));
+    EXPECT_EQ(speeds, sample_bench_run().timings.size() + timed_sizes(sample_tune_run()) +
+                          cloud_points({sample_check_run(), sample_bench_run()}));
     EXPECT_NE(page.find("<td class=\"errors bad\">308<small>0.117\u00a0%"), std::string::npos);
 }
 
@@ -531,10 +544,63 @@ TEST_F(Report, gives_charts_no_speed_without_its_errors) {
     const std::string page = sample_page();
     const size_t open = page.find("id=\"onepass-data\">");
     const std::string data = page.substr(open, page.find("</script>", open) - open);
-    EXPECT_EQ(count_of(data, "\"mrays\":"), sample_bench_run().timings.size());
-    EXPECT_EQ(count_of(data, "\"time\":"), timed_sizes(sample_tune_run()));
-    EXPECT_EQ(count_of(data, "\"errors\":"),
-              count_of(data, "\"mrays\":") + count_of(data, "\"time\":"));
+    EXPECT_EQ(count_of(data, "\"oracle\":"), sample_bench_run().timings.size());
+    EXPECT_EQ(count_of(data, "\"predicted\":"), timed_sizes(sample_tune_run()));
+    EXPECT_EQ(count_of(data, "\"frontOfRest\":"),
+              cloud_points({sample_check_run(), sample_bench_run()}));
+    EXPECT_EQ(count_of(data, "\"errors\":"), count_of(data, "\"oracle\":") +
+                                                 count_of(data, "\"time\":") +
+                                                 count_of(data, "\"frontOfRest\":"))
+        << "the sizes that stand out have times and errors of their own";
+}
+
+TEST_F(Report, says_first_who_is_right_who_is_wrong_and_who_is_fast) {
+    const std::string page = visible(sample_page());
+    const size_t findings = page.find("class=\"findings\"");
+    ASSERT_NE(findings, std::string::npos);
+    EXPECT_LT(findings, page.find("<table"));
+    const std::string text = page.substr(findings, page.find("</ul>", findings) - findings);
+    EXPECT_EQ(text.find("Right."), std::string::npos) << "nobody passes every check: " << text;
+    EXPECT_NE(text.find("paper/texture2d/{compute, fragment}</code> failed a check"),
+              std::string::npos)
+        << text;
+    EXPECT_NE(text.find("paper/texture2d/compute</code> is the fastest of all"), std::string::npos)
+        << text;
+}
+
+TEST_F(Report, draws_timings_as_speed_against_accuracy_with_a_front) {
+    Results run;
+    run.timings = {sample_timing("bunny", kRobust, 1.0), sample_timing("bunny", kFragment, 0.5),
+                   sample_timing("bunny", kCompute, 0.25)};
+    run.timings[2].errors = 0;
+    run.timings[1].device_ms = run.timings[1].wall_ms;
+    for (double& ms : run.timings[1].device_ms) ms /= 8.0;
+    run.timings[1].oracle_wall_ms = run.timings[0].wall_ms;
+    const std::vector<Results> runs = {run};
+    const std::vector<fs::path> folders = {folder_};
+    const std::vector<report::Cloud> all = report::clouds(report::gather(runs, folders));
+    ASSERT_EQ(all.size(), 1u);
+    EXPECT_FALSE(all[0].every_answer_judged);
+    EXPECT_GT(all[0].points[1].ratio, 1.0);
+    EXPECT_EQ(all[0].front, (std::vector<bool>{true, true, false}));
+    EXPECT_EQ(all[0].front_of_rest, (std::vector<bool>{false, true, true}));
+}
+
+TEST_F(Report, embeds_a_sheet_of_pixels_and_refuses_an_edited_one) {
+    Results run = sample_check_run();
+    const std::string sheet = R"({"pixels":[7],"columns":[["</script>"]],"tracers":[]})";
+    write_file(folder_ / "sheet.json", sheet);
+    run.pixel_sheets.push_back({"bunny", 256, 256, 1, 12, "sheet.json", sha256_text(sheet)});
+    const std::string page = render({run});
+    EXPECT_NE(page.find(R"("left_out":12)"), std::string::npos);
+    EXPECT_NE(page.find(R"("pixels":[7])"), std::string::npos);
+    EXPECT_EQ(count_of(page, "</script>"), 3u) << "a sheet cannot end the script";
+    EXPECT_EQ(count_of(page, "<template class=\"layers\">"), run.scenes.size());
+
+    write_file(folder_ / "sheet.json", sheet + " ");
+    EXPECT_THROW(render({run}), Error);
+    fs::remove(folder_ / "sheet.json");
+    EXPECT_THROW(render({run}), Error);
 }
 
 TEST_F(Report, says_in_one_sentence_a_scene_what_came_out) {
@@ -688,12 +754,18 @@ TEST_F(Report, embeds_each_picture_once_a_scene) {
               sample_check_run().scenes.size());
 }
 
+TEST_F(Report, says_which_picture_is_the_same_as_one_that_is_shown) {
+    std::filesystem::copy_file(folder_ / "image.png", folder_ / "oracle.png",
+                               std::filesystem::copy_options::overwrite_existing);
+    EXPECT_NE(visible(sample_page()).find("byte for byte the picture of "), std::string::npos);
+}
+
 TEST_F(Report, shows_a_grid_size_that_could_not_be_built_with_its_reason) {
     const std::string page = visible(sample_page());
     EXPECT_NE(page.find("expected at most 4096 &lt;of 16^3&gt;"), std::string::npos);
     EXPECT_NE(
-        page.find("1 could not be built. Best, by errors and then by speed: object λ 4, top λ "
-                  "1.2."),
+        page.find("1 could not be built. Best, by errors and then by speed: object λ 4.00, top λ "
+                  "1.20."),
         std::string::npos);
 }
 

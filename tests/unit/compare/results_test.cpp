@@ -43,6 +43,7 @@ Results full_results() {
     results.tracers = {{"bunny",
                         "paper/x/y",
                         {{"density", "5"}},
+                        "auto",
                         "GPU",
                         true,
                         true,
@@ -113,7 +114,11 @@ Results full_results() {
                         1.5,
                         2.25,
                         7,
-                        8}};
+                        8,
+                        {1.75},
+                        {0.75},
+                        CastCounts{1, 2, 3, 4, 5, 6}}};
+    results.builds = {{"bunny", "paper/x/y", {0.5, 0.25}}};
     FrameTimingRecord frames;
     frames.scene = "bunny";
     frames.tracer = "streaming/x/y";
@@ -170,23 +175,9 @@ Results full_results() {
                        "onepass reproduce",
                        ClaimVerdict::depends,
                        {measurement}}};
-    results.sweeps = {{"bunny",
-                       "primary",
-                       "paper/x/y",
-                       1.25,
-                       5.5,
-                       1,
-                       2,
-                       3,
-                       4.5,
-                       5.5,
-                       6.5,
-                       7,
-                       "refused",
-                       {8.5},
-                       9.5,
-                       10.5,
-                       11.5}};
+    results.sweeps = {{"bunny",   "primary", "paper/x/y", 1.25,  5.5, "4x5x6", "2,3", "listed",
+                       4096,      1,         2,           3,     4.5, 5.5,     6.5,   7,
+                       "refused", {8.5},     {7.5},       {6.5}, 9.5, 10.5,    11.5}};
     RungRecord rung{.knob = 100.0,
                     .label = "-0",
                     .tracer = "paper/x/y",
@@ -225,6 +216,7 @@ Results full_results() {
         {"ball", 1000, "paper/x/y", "density=2", {1.5, 2.5}, 4096, 5000, 6000, "refused"}};
     results.growth_traces = {
         {"ball", 1000, "paper/x/y", "density=2", "diffuse", 512, true, {3.5}, {0.25}, 64, 3, 2}};
+    results.pixel_sheets = {{"bunny", 4, 3, 12, 1, "sheet.json", "abc"}};
     results.ablations = {{"bunny",
                           "image",
                           "paper/x/y",
@@ -239,6 +231,11 @@ Results full_results() {
                           0.25,
                           0.625,
                           "none"}};
+    results.refusals = {{"bunny", "paper/x/y", "too large"}};
+    results.study = {{2, 4},
+                     {"bunny, primary", "bunny, random"},
+                     {{"bunny, random", {{"checks", {0}}}}},
+                     {{{2, 4}, results.manifest}}};
     return results;
 }
 
@@ -258,6 +255,7 @@ TEST(ResultsJson, reads_back_what_was_written) {
     EXPECT_FALSE(again.manifest.complete);
     EXPECT_EQ(again.scenes[0].notes, results.scenes[0].notes);
     EXPECT_EQ(again.tracers[0].params, results.tracers[0].params);
+    EXPECT_EQ(again.tracers[0].sizing, "auto");
     EXPECT_EQ(again.tracers[0].stats[0].value, 1.25);
     const CheckRecord& check = again.checks[0];
     EXPECT_EQ(check.allowed, results.checks[0].allowed);
@@ -275,6 +273,8 @@ TEST(ResultsJson, reads_back_what_was_written) {
     EXPECT_EQ(again.images[0].pictures, results.images[0].pictures);
     EXPECT_EQ(again.timings[0].oracle_wall_ms, results.timings[0].oracle_wall_ms);
     EXPECT_EQ(again.sweeps[0].failure, "refused");
+    EXPECT_EQ(again.sweeps[0].sizes, "2,3");
+    EXPECT_EQ(again.sweeps[0].oracle_wall_ms, (std::vector<double>{6.5}));
     ASSERT_EQ(again.tracers[0].deviations.size(), 1u);
     EXPECT_EQ(again.tracers[0].deviations[0].param, "edge_tolerance");
     EXPECT_EQ(again.tracers[0].deviations[0].summary, "slack");
@@ -290,22 +290,38 @@ TEST(ResultsJson, reads_back_what_was_written) {
     EXPECT_FALSE(again.paces[0].after) << "clocks that could not be read stay absent";
     EXPECT_EQ(again.growth_builds[0].build_ms, (std::vector<double>{1.5, 2.5}));
     EXPECT_TRUE(again.growth_traces[0].growing_rays);
+    ASSERT_TRUE(again.study);
+    EXPECT_EQ(again.study->shard, (Shard{2, 4}));
+    EXPECT_EQ(again.study->points[0].records[0].rows, std::vector<uint32_t>{0});
+    EXPECT_EQ(again.timings[0].again_device_ms, (std::vector<double>{0.75}));
+    EXPECT_EQ(again.timings[0].counts->repeated_tests, 6u);
+    EXPECT_EQ(again.builds[0].build_ms, (std::vector<double>{0.5, 0.25}));
 }
 
 TEST(ResultsJson, reads_files_that_are_older_than_its_last_lists) {
     auto document = nlohmann::json::parse(to_json(full_results()));
-    for (const char* list : {"paces", "growth_builds", "growth_traces"}) document.erase(list);
+    for (const char* name :
+         {"paces", "growth_builds", "growth_traces", "refusals", "builds", "study"}) {
+        document.erase(name);
+    }
+    for (const char* field : {"again_wall_ms", "again_device_ms", "counts"}) {
+        document["timings"][0].erase(field);
+    }
     const Results old = results_from_json(document.dump(), "old.json");
+    EXPECT_FALSE(old.study);
     EXPECT_TRUE(old.paces.empty());
     EXPECT_EQ(old.sweeps.size(), 1u);
+    EXPECT_TRUE(old.timings.at(0).again_wall_ms.empty());
+    EXPECT_FALSE(old.timings[0].counts);
 }
 
 TEST(ResultsJson, holds_every_member_of_every_record) {
     const auto document = nlohmann::json::parse(to_json(full_results()));
-    EXPECT_EQ(document.size(), 16u) << "the version and the members of Results";
+    EXPECT_EQ(document.size(), 21u) << "the version, the members of Results and the digest";
+    EXPECT_EQ(document["pixel_sheets"][0].size(), 7u);
     EXPECT_EQ(document["manifest"].size(), 17u);
     EXPECT_EQ(document["scenes"][0].size(), 7u);
-    EXPECT_EQ(document["tracers"][0].size(), 11u);
+    EXPECT_EQ(document["tracers"][0].size(), 12u);
     EXPECT_EQ(document["checks"][0].size(), 19u);
     EXPECT_EQ(document["checks"][0]["attribution"].size(), 3u);
     EXPECT_EQ(document["frame_timings"][0].size(), 22u);
@@ -316,12 +332,16 @@ TEST(ResultsJson, holds_every_member_of_every_record) {
     EXPECT_EQ(document["ablations"][0].size(), 14u);
     EXPECT_EQ(document["claims"][0]["measurements"][0].size(), 21u);
     EXPECT_EQ(document["images"][0].size(), 18u);
-    EXPECT_EQ(document["timings"][0].size(), 15u);
-    EXPECT_EQ(document["sweeps"][0].size(), 17u);
+    EXPECT_EQ(document["timings"][0].size(), 18u);
+    EXPECT_EQ(document["timings"][0]["counts"].size(), 6u);
+    EXPECT_EQ(document["builds"][0].size(), 3u);
+    EXPECT_EQ(document["sweeps"][0].size(), 23u);
     EXPECT_EQ(document["paces"][0].size(), 10u);
     EXPECT_EQ(document["paces"][0]["before"].size(), 3u);
     EXPECT_EQ(document["growth_builds"][0].size(), 9u);
     EXPECT_EQ(document["growth_traces"][0].size(), 12u);
+    EXPECT_EQ(document["refusals"][0].size(), 3u);
+    EXPECT_EQ(document["study"].size(), 4u);
     const auto& worst = document["checks"][0]["classes"]["false_hit"]["worst"];
     EXPECT_EQ(worst.size(), 5u);
     EXPECT_EQ(worst["ray"].size(), 4u);

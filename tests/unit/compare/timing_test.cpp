@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include "compare/cast_counts.h"
 #include "compare/sweep.h"
+#include "compare/timing_trial.h"
 #include "core/error.h"
 #include "tests/support/fake_tracer.h"
 
@@ -77,6 +79,107 @@ TEST(TimeCasts, gives_speed_relative_to_the_oracle_and_rates) {
     EXPECT_EQ(records[2].ratio_low, 0.5);
     EXPECT_EQ(records[2].ratio_high, 0.5);
     EXPECT_EQ(records[0].mrays_per_s, 0.5) << "1000 rays in 2 ms";
+}
+
+TEST(TimeCasts, lets_a_rival_take_turns_and_keeps_its_samples_apart) {
+    ThreeTracers tracers;
+    FakeTracer rival("r");
+    rival.log = &tracers.log;
+    rival.cast_ms = 1.5;
+    TimingOptions options = quick();
+    options.rival = Rival{1, &rival};
+    const auto records = time_casts(tracers.all, 0, some_rays(1), options);
+    ASSERT_EQ(records.size(), 3u) << "the rival has no record of its own";
+    EXPECT_EQ(records[1].again_wall_ms, std::vector<double>(9, 1.5));
+    EXPECT_EQ(records[1].wall_ms, std::vector<double>(9, 1.0));
+    EXPECT_TRUE(records[0].again_wall_ms.empty());
+    EXPECT_EQ(std::count(tracers.log.begin(), tracers.log.end(), "r"), 2 + 9);
+    EXPECT_EQ(tracers.log.size(), 4u * (2u + 9u));
+}
+
+TEST(CountCast, adds_up_all_rays_and_looks_for_repeated_tests_where_ways_are_told) {
+    FakeTracer tracer("counting");
+    EXPECT_FALSE(count_cast(tracer, some_rays(10))) << "it does not count";
+    tracer.abilities.counters = true;
+    const auto counts = count_cast(tracer, some_rays(10));
+    ASSERT_TRUE(counts);
+    EXPECT_EQ(counts->cells, 30u);
+    EXPECT_EQ(counts->tests, 20u);
+    EXPECT_EQ(counts->references, 40u);
+    EXPECT_EQ(counts->walked_rays, 0u);
+
+    tracer.abilities.walks = true;
+    // Triangle 7 of instance 0 in two cells; of instance 1 it is another triangle.
+    tracer.way =
+        RayWalk{{{0, ivec3(0), {{7}, {8}}}, {0, ivec3(1), {{7}}}, {1, ivec3(0), {{7}}}}, {}};
+    const auto walked = count_cast(tracer, some_rays(10));
+    EXPECT_EQ(walked->walked_rays, 10u);
+    EXPECT_EQ(walked->walked_tests, 40u);
+    EXPECT_EQ(walked->repeated_tests, 10u);
+}
+
+// The timing on trial.
+
+TEST(Slowed, casts_a_twentieth_of_the_rays_twice_and_answers_each_once) {
+    auto inner = std::make_unique<FakeTracer>("fake");
+    FakeTracer& fake = *inner;
+    size_t casts = 0;
+    fake.answer = [&](const Ray& ray) {
+        ++casts;
+        return Hit{ray.tmax, 0.0f, 0.0f, 0, 0};
+    };
+    const auto tracer = slowed(std::move(inner));
+    RaySet rays = some_rays(50);
+    for (size_t i = 0; i < 50; ++i) rays.rays[i].tmax = static_cast<float>(i);
+    const CastResult cast = tracer->cast(tracer->upload(rays.rays), {});
+    EXPECT_EQ(casts, 53u);
+    ASSERT_EQ(cast.hits.size(), 50u);
+    for (size_t i = 0; i < 50; ++i) EXPECT_EQ(cast.hits[i].t, static_cast<float>(i));
+}
+
+/// A strategy of which the n-th tracer made takes factor(n) ms a ray and cast.
+CatalogueEntry paced_strategy(std::function<double(int)> factor) {
+    CatalogueEntry entry;
+    entry.info.name = "paced";
+    entry.make = [factor, made = std::make_shared<int>(0)](ScenePtr, const ParamValues&) {
+        auto tracer = std::make_unique<FakeTracer>("paced");
+        FakeTracer* raw = tracer.get();
+        const double ms = factor((*made)++);
+        raw->cast_ms = 0.0;
+        raw->answer = [raw, ms](const Ray&) {
+            raw->cast_ms += ms;  // the time of a cast: read after its last ray
+            return Hit{};
+        };
+        return tracer;
+    };
+    return entry;
+}
+
+TEST(TryTiming, counts_verdicts_on_equals_and_on_the_slowed_one) {
+    // cast_ms adds up over casts, so every tracer's pace is the number of its casts so far: in a
+    // round all have as many, and the slowed one a twentieth more.
+    const TimingTrialOptions options{3, quick()};
+    const TimingTrial trial =
+        try_timing(paced_strategy([](int) { return 1.0; }), nullptr, {}, some_rays(200), options);
+    EXPECT_EQ(trial.comparisons, 3u);
+    EXPECT_EQ(trial.called_different(), 0u);
+    EXPECT_EQ(trial.found_slower(), 3u);
+    EXPECT_TRUE(passed(trial));
+    for (const double ratio : trial.slowed_ratio) EXPECT_NEAR(ratio, 1.0 / 1.05, 1e-9);
+}
+
+TEST(TryTiming, fails_a_timing_that_calls_equals_different_or_misses_the_slowed_one) {
+    // The equal (made third) is 3 % slow, and nothing in the rival tells that places differ.
+    const TimingTrialOptions options{3, quick()};
+    const TimingTrial fooled = try_timing(paced_strategy([](int n) { return n == 2 ? 1.03 : 1.0; }),
+                                          nullptr, {}, some_rays(200), options);
+    EXPECT_EQ(fooled.called_different(), 3u);
+    EXPECT_FALSE(passed(fooled));
+    // The rival (made second) says that equals differ by 10 %: then 5 % cannot be found.
+    const TimingTrial blind = try_timing(paced_strategy([](int n) { return n == 1 ? 1.1 : 1.0; }),
+                                         nullptr, {}, some_rays(200), options);
+    EXPECT_EQ(blind.found_slower(), 0u);
+    EXPECT_FALSE(passed(blind));
 }
 
 TEST(TimeCasts, warms_up_for_the_stated_time) {
@@ -228,7 +331,7 @@ struct SweepSetup {
     ScenePtr scene = std::make_shared<const Scene>();
     FakeTracer oracle{"oracle"};
     FakeJudge judge{[](const Ray&, const Hit&) { return Verdict{}; }};
-    SweepOptions options{{1.0, 4.0, 16.0, 64.0}, {}, {}, {}, quick()};
+    SweepOptions options{{1.0, 4.0, 16.0, 64.0}, {}, {}, {}, {}, quick()};
 };
 
 TEST(SweepGridSizes, measures_each_density_and_reports_what_was_refused) {
@@ -280,13 +383,98 @@ TEST(SweepGridSizes, takes_the_product_of_both_levels) {
 TEST(SweepGridSizes, drops_a_point_that_was_stopped_before_its_first_round) {
     SweepSetup setup;
     int calls = 0;
-    // The first point asks once before it, twice in its warm-up and once a round; the second gets
-    // as far as its own warm-up.
-    const Progress stop = [&](double) { return ++calls <= 1 + 2 + 9 + 1; };
+    // The first point asks once before it, once before its build, twice in its warm-up and once a
+    // round; the second gets as far as its own warm-up.
+    const Progress stop = [&](double) { return ++calls <= 1 + 1 + 2 + 9 + 2; };
     const auto points = sweep_grid_sizes(grid_strategy(), setup.scene, some_rays(1), setup.oracle,
                                          setup.judge, setup.options, stop);
     ASSERT_EQ(points.size(), 1u);
     EXPECT_EQ(points[0].wall_ms.size(), 9u);
+}
+
+TEST(SweepGridSizes, leaves_out_what_is_done_and_tells_of_each_point) {
+    SweepSetup setup;
+    std::vector<double> finished;
+    const SweepHooks hooks{[](const GridSize& size) { return size.object_density == 4.0; },
+                           [&](const SweepPoint& p) { finished.push_back(p.object_density); }};
+    sweep_grid_sizes(grid_strategy(), setup.scene, some_rays(1), setup.oracle, setup.judge,
+                     setup.options, {}, hooks);
+    EXPECT_EQ(finished, (std::vector<double>{1.0, 16.0, 64.0}));
+}
+
+TEST(SweepGridSizes, measures_all_sizes_of_a_search_in_the_same_rounds) {
+    SweepSetup setup;
+    const RaySet rays = some_rays(4);
+    const CatalogueEntry entry = grid_strategy();
+    const CastResult truth = setup.oracle.cast(setup.oracle.upload(rays.rays), {});
+    const SweepCase sweep{entry, setup.scene, rays, setup.oracle, setup.judge, truth};
+    const std::vector<GridSize> sizes = {{1.2, 1.0}, {1.2, 64.0}, {1.2, 4.0}};
+    const auto points = measure_together(sweep, sizes, setup.options);
+    ASSERT_EQ(points.size(), 3u);
+    EXPECT_FALSE(points[1].failure.empty()) << "a refused size keeps its place";
+    EXPECT_EQ(points[0].oracle_wall_ms, points[2].oracle_wall_ms);
+    EXPECT_EQ(points[0].ray_count, 4u);
+    EXPECT_EQ(points[2].wall_ms.size(), 9u);
+    EXPECT_EQ(points[2].object_density, 4.0);
+}
+
+TEST(SearchSizes, finds_the_best_density_of_a_strategy_that_refuses_fine_grids) {
+    SweepSetup setup;
+    const RaySet rays = some_rays(1);
+    const CatalogueEntry entry = grid_strategy();  // best at 4; refuses above 16
+    const CastResult truth = setup.oracle.cast(setup.oracle.upload(rays.rays), {});
+    const SweepCase sweep{entry, setup.scene, rays, setup.oracle, setup.judge, truth};
+    const auto points = search_sizes(sweep, setup.options);
+    const SweepPoint* best = best_point(points);
+    ASSERT_NE(best, nullptr);
+    EXPECT_LT(best->object_density, 4.0 * DensitySearch{}.finest);
+    EXPECT_GT(best->object_density, 4.0 / DensitySearch{}.finest);
+    std::vector<double> densities;
+    for (const SweepPoint& p : points) densities.push_back(p.object_density);
+    std::sort(densities.begin(), densities.end());
+    EXPECT_EQ(std::adjacent_find(densities.begin(), densities.end()), densities.end())
+        << "no density twice";
+}
+
+TEST(NextDensities, goes_beyond_an_end_while_that_is_best) {
+    const DensitySearch search;
+    const std::vector<TriedDensity> falling = {{0.5, 9}, {2, 8}, {8, 7}, {32, 6}, {128, 5}};
+    EXPECT_EQ(next_densities(falling, search), std::vector<double>{512.0});
+    const std::vector<TriedDensity> rising = {{0.5, 5}, {2, 6}, {8, 7}};
+    EXPECT_EQ(next_densities(rising, search), std::vector<double>{0.125});
+}
+
+TEST(NextDensities, halves_the_gaps_about_the_best_until_they_are_small) {
+    const DensitySearch search;
+    std::vector<TriedDensity> tried = {{2, 6}, {8, 5}, {32, 7}};
+    EXPECT_EQ(next_densities(tried, search), (std::vector<double>{4.0, 16.0}));
+    tried = {{7, 6}, {8, 5}, {9, 7}};
+    EXPECT_TRUE(next_densities(tried, search).empty());
+}
+
+TEST(NextDensities, takes_a_refused_size_for_the_slowest) {
+    const double refused = std::numeric_limits<double>::quiet_NaN();
+    const std::vector<TriedDensity> tried = {{2, 6}, {8, 5}, {32, refused}};
+    EXPECT_EQ(next_densities(tried, DensitySearch{}), (std::vector<double>{4.0, 16.0}));
+    const std::vector<TriedDensity> refused_first = {{2, refused}, {8, 5}, {32, 7}};
+    EXPECT_EQ(next_densities(refused_first, DensitySearch{}), (std::vector<double>{4.0, 16.0}));
+    const std::vector<TriedDensity> none = {{2, refused}, {8, refused}};
+    EXPECT_TRUE(next_densities(none, DensitySearch{}).empty());
+}
+
+TEST(ListedSizes, has_resolutions_behind_the_densities) {
+    CatalogueEntry entry = grid_strategy();
+    SweepOptions options;
+    options.object_densities = {2.0};
+    options.resolutions = {"8x4x2"};
+    EXPECT_THROW(listed_sizes(entry.info, options), Error) << "it has no parameter for it";
+    entry.info.params.push_back({"resolution", ParamInfo::Type::text, "auto", "cells", {}});
+    const auto sizes = listed_sizes(entry.info, options);
+    ASSERT_EQ(sizes.size(), 2u);
+    EXPECT_EQ(sizes[1].resolution, "8x4x2");
+    EXPECT_EQ(sized_params(entry.info, {}, sizes[1]).at("resolution"), "8x4x2");
+    options.resolutions = {"8x4"};
+    EXPECT_THROW(listed_sizes(entry.info, options), Error);
 }
 
 TEST(SweepGridSizes, refuses_a_strategy_without_a_density) {

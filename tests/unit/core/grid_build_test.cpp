@@ -335,6 +335,26 @@ TEST(TwoLevelGrid, holds_one_grid_an_object_and_one_over_the_instances) {
     EXPECT_GT(grid.build_ms, 0.0);
 }
 
+TEST(TwoLevelGrid, gives_each_object_the_size_that_is_stated_for_it) {
+    const Scene scene = random_scene();
+    const TwoLevelSizing shared{.object = {.density = 3.0}};
+    TwoLevelSizing own = shared;
+    own.objects.assign(scene.objects.size(), {.density = 3.0});
+    TwoLevelGrid same = build_two_level_grid(scene, own);
+    const TwoLevelGrid expected = build_two_level_grid(scene, shared);
+    EXPECT_EQ(same.objects, expected.objects) << "the same size for all is that size";
+    EXPECT_EQ(same.top, expected.top);
+
+    own.objects.back() = {.resolution = uvec3(5, 4, 3)};
+    same = build_two_level_grid(scene, own);
+    EXPECT_EQ(same.objects.back().dims, uvec3(5, 4, 3));
+    for (size_t k = 0; k + 1 < scene.objects.size(); ++k) {
+        EXPECT_EQ(same.objects[k], expected.objects[k]) << k;
+    }
+    own.objects.push_back({});
+    EXPECT_THROW(build_two_level_grid(scene, own), Error);
+}
+
 TEST(TwoLevelGrid, counts_the_object_grids_it_builds) {
     const Scene scene = random_scene();
     const uint64_t before = triangle_grids_built();

@@ -117,5 +117,18 @@ TEST(PaddedBounds, refuse_what_is_not_finite_or_would_not_be) {
     EXPECT_THROW(padded_bounds(Bounds{}), Error);
 }
 
+TEST(GridSizing, is_written_and_read_back) {
+    EXPECT_EQ(parse_grid_sizing("4.5", "here"), GridSizing{.density = 4.5});
+    EXPECT_EQ(parse_grid_sizing("64x32x1", "here").resolution, uvec3(64, 32, 1));
+    for (const GridSizing& sizing : {GridSizing{.density = 0.1}, GridSizing{.density = 1e-30},
+                                     GridSizing{.resolution = uvec3(1, 2, 3)}}) {
+        EXPECT_EQ(parse_grid_sizing(to_text(sizing), "here"), sizing);
+    }
+    for (const char* text :
+         {"", "0", "-1", "inf", "nan", "4,5", "4x5", "4x5x", "x4x5", "4x5x6x7"}) {
+        EXPECT_THROW(parse_grid_sizing(text, "here"), Error) << text;
+    }
+}
+
 }  // namespace
 }  // namespace onepass
