@@ -106,11 +106,11 @@ void fit_scales(std::span<const WorkSample> samples, const Vector& costs,
 
 // What `onepass tune --fit results/tune/fitted-on.json` prints; the manifest of that file holds the
 // `onepass tune` that made it: knot2, camel, cheese, fandisk_large, couplingdown, knife, sr71a and
-// balls-1, primary rays, llvmpipe on two busy cores. Only the ratios of the costs decide; other
+// balls-1, primary rays, llvmpipe on two cores. Only the ratios of the costs decide; other
 // machines have others, and `--costs RESULT.json` takes them from a tune run made there.
 constexpr KnownCosts kKnownCosts[] = {
-    {"grid", {.ray = 110.24, .cell = 108.796, .test = 18.265, .relative_error = 0.174}},
-    {"paper", {.ray = 3.82, .cell = 100.404, .test = 40.649, .relative_error = 0.204}},
+    {"grid", {.ray = 42.40, .cell = 39.155, .test = 5.335, .relative_error = 0.048}},
+    {"paper", {.ray = 61.01, .cell = 18.339, .test = 7.693, .relative_error = 0.058}},
 };
 
 }  // namespace

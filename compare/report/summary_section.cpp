@@ -6,10 +6,13 @@
 #include <set>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "compare/report/html.h"
 #include "compare/report/ladders.h"
 #include "compare/report/sections.h"
+#include "compare/statistics.h"
+#include "compare/tuning.h"
 
 namespace onepass::report {
 namespace {
@@ -230,15 +233,58 @@ std::string fastest(const Dossier& dossier) {
                 clean ? " " : "", escape(name_of({any->tracer, any->setting})), speed_text(*any),
                 percent(any->errors, any->ray_count));
         }
-        html += finding("Fast.", fmt::format("{}: {} <a href=\"#tradeoff\">Speed against "
-                                             "accuracy</a>.",
-                                             escape(cloud.title), text));
+        // Runs may be of the same scenes: what they cast and which they are tells them apart.
+        std::set<std::string> kinds;
+        for (const TradeoffPoint& part : cloud.parts) kinds.insert(part.rays);
+        const std::string which =
+            dossier.runs->size() > 1
+                ? fmt::format(" (run {} of {})", cloud.run + 1, dossier.runs->size())
+                : "";
+        html += finding(
+            "Fast.", fmt::format("{}, {} rays{}: {} <a href=\"#tradeoff\">Speed "
+                                 "against accuracy</a>.",
+                                 escape(cloud.title),
+                                 escape(fmt::format("{}", fmt::join(kinds, ", "))), which, text));
+    }
+    return html;
+}
+
+/// Which grid sizes were the fastest, and what choosing by counting alone costs.
+std::string tuned(const Dossier& dossier) {
+    struct Studies {
+        std::vector<double> densities;  // the fastest
+        std::vector<double> regrets;    // of auto
+        uint64_t errors = 0;            // at the fastest
+    };
+    std::map<std::string, Studies> by_tracer;
+    for (const Sweep& sweep : sweeps(dossier)) {
+        const std::optional<Tuning> tuning = tuning_of(sweep.points);
+        if (!tuning) continue;
+        Studies& studies = by_tracer[sweep.tracer];
+        studies.densities.push_back(sweep.points[tuning->best].object_density);
+        studies.errors += sweep.points[tuning->best].errors;
+        if (tuning->automatic) studies.regrets.push_back(tuning->automatic_regret.share);
+    }
+    std::string html;
+    for (const auto& [tracer, studies] : by_tracer) {
+        const auto [low, high] = std::ranges::minmax(studies.densities);
+        const std::string densities =
+            low == high ? significant(low) : significant(low) + " to " + significant(high);
+        const std::string regret =
+            studies.regrets.empty() ? ""
+                                    : fmt::format("; auto’s choice takes {} % longer in the median",
+                                                  significant(100.0 * median(studies.regrets)));
+        html += finding("Tuned.",
+                        fmt::format("<code>{}</code>, {}: fastest at {} cells a triangle{}; {} "
+                                    "there. <a href=\"#grid-size\">Grid size</a>.",
+                                    escape(tracer), counted(studies.densities.size(), "sweep"),
+                                    densities, regret, counted(studies.errors, "error")));
     }
     return html;
 }
 
 std::string findings(const Dossier& dossier) {
-    const std::string items = right_and_wrong(dossier) + fastest(dossier);
+    const std::string items = right_and_wrong(dossier) + fastest(dossier) + tuned(dossier);
     return items.empty() ? "" : "<ul class=\"findings\">\n" + items + "</ul>\n";
 }
 

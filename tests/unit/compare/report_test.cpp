@@ -10,6 +10,7 @@
 #include <limits>
 #include <regex>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -18,6 +19,7 @@
 #include "compare/report/html.h"
 #include "compare/report/pictures.h"
 #include "compare/report/sections.h"
+#include "compare/tuning.h"
 #include "core/error.h"
 
 namespace onepass {
@@ -566,6 +568,22 @@ TEST_F(Report, says_first_who_is_right_who_is_wrong_and_who_is_fast) {
         << text;
     EXPECT_NE(text.find("paper/texture2d/compute</code> is the fastest of all"), std::string::npos)
         << text;
+}
+
+TEST_F(Report, says_first_which_grid_size_was_the_fastest_with_its_errors) {
+    const Results run = sample_tune_run();
+    const std::string page = visible(render_report({{run}}, {{folder_}}));
+    const size_t findings = page.find("class=\"findings\"");
+    ASSERT_NE(findings, std::string::npos);
+    const std::string text = page.substr(findings, page.find("</ul>", findings) - findings);
+    const std::optional<Tuning> tuning = tuning_of(run.sweeps);
+    ASSERT_TRUE(tuning);
+    const SweepPoint& best = run.sweeps[tuning->best];
+    EXPECT_NE(text.find(fmt::format("fastest at {} cells a triangle",
+                                    report::significant(best.object_density))),
+              std::string::npos)
+        << text;
+    EXPECT_NE(text.find(fmt::format("{} error", best.errors)), std::string::npos) << text;
 }
 
 TEST_F(Report, draws_timings_as_speed_against_accuracy_with_a_front) {
