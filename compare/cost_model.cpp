@@ -1,8 +1,10 @@
 #include "compare/cost_model.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace onepass {
 namespace {

@@ -33,7 +33,10 @@ std::string case_key(const auto& record) {
 }
 
 std::string size_text(const SweepPoint& point) {
-    return fmt::format("density {}, top {}", point.object_density, point.top_density);
+    const std::string top = fmt::format(", top {}", point.top_density);
+    if (!point.sizes.empty()) return "sizes " + point.sizes + top;
+    if (!point.resolution.empty()) return "cells " + point.resolution + top;
+    return fmt::format("density {}", point.object_density) + top;
 }
 
 // ---- Speeds.
@@ -266,6 +269,7 @@ class Comparer {
     }
 
     void compare_classes(const std::string& key, const CheckRecord& a, const CheckRecord& b) {
+        out_.checks_have_more_errors |= b.errors() > a.errors();
         for (size_t c = 0; c < kHitClassCount; ++c) {
             count(fmt::format("{}: {}", key, to_string(static_cast<HitClass>(c))),
                   a.classes[c].count, b.classes[c].count);
@@ -292,9 +296,10 @@ bool any_slower(const RunComparison& comparison) {
 }
 
 bool any_more_errors(const RunComparison& comparison) {
-    return std::any_of(comparison.speeds.begin(), comparison.speeds.end(), [](const auto& change) {
-        return change.errors_after > change.errors_before;
-    });
+    return comparison.checks_have_more_errors ||
+           std::any_of(comparison.speeds.begin(), comparison.speeds.end(), [](const auto& change) {
+               return change.errors_after > change.errors_before;
+           });
 }
 
 }  // namespace onepass

@@ -46,18 +46,20 @@ struct RunComparison {
     std::vector<SpeedChange> speeds;
     std::vector<CountChange> counts;  ///< those that differ
     size_t equal_counts = 0;
+    bool checks_have_more_errors = false;  ///< some check of B, than the same check of A
     std::vector<std::string> only_before;  ///< cases that one run alone holds
     std::vector<std::string> only_after;
 };
 
 /// Interval of the change: of a bench, 2000 times over, the rounds of A and, apart from them, those
-/// of B are drawn with replacement, and the two medians of paired ratios divided. Of a sweep, whose
-/// records keep no samples of the oracle, from the two intervals: their half widths as logarithms
-/// add as squares. The noise of both runs adds up: (1 + a) (1 + b) - 1.
+/// of B are drawn with replacement, and the two medians of paired ratios divided. Of a sweep,
+/// whose older records keep no samples of the oracle, from the two stored intervals: their half
+/// widths as logarithms add as squares. The noise of both runs adds up: (1 + a) (1 + b) - 1.
 /// Records of one scene, rays and tracer that a run holds more than once are compared in order.
 RunComparison compare_runs(const Results& before, const Results& after, uint64_t seed = 0);
 
 bool any_slower(const RunComparison& comparison);
+/// Of what both runs hold: speeds and checks.
 bool any_more_errors(const RunComparison& comparison);
 
 }  // namespace onepass

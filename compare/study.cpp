@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <charconv>
+#include <fstream>
+#include <iterator>
 #include <set>
 
 #include <fmt/format.h>
@@ -211,6 +213,12 @@ void Study::take_up() {
         throw Error({file, "an unfinished study of another run: " + why,
                      "one that this very command began, with this build on this machine",
                      "Finish it as it was begun, name another file with --json, or remove it."});
+    }
+    std::ifstream bytes(request_.file, std::ios::binary);
+    const Seal seal = seal_of({std::istreambuf_iterator<char>(bytes), {}}, file);
+    if (!seal.intact()) {
+        throw Error({file, "an unfinished study that was edited: its digest is not of its content",
+                     "the file as its run left it", "Remove it, and start anew."});
     }
     done_ = split_points(past, file);
     kept_ = done_.size();

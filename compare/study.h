@@ -53,7 +53,8 @@ class Study {
     /// Begins, or takes up what an earlier run of the same request left unfinished in the file. A
     /// complete file, or one that is no study, is made anew by the first point that finishes.
     /// Throws: Error if the file is the unfinished study of another request: other arguments, seed,
-    /// shard, build, machine. What differs is said.
+    /// shard, build, machine. What differs is said. Also if its digest is not that of its content:
+    /// the next point would seal the edit.
     explicit Study(StudyRequest request);
 
     /// Points of this shard that an earlier run had finished.
@@ -74,8 +75,7 @@ class Study {
     /// Takes over a finished point: its records, its scene's and its tracers' among them. Writes
     /// the file anew, whole or not at all: who kills the process loses only the points in flight.
     /// Cost: writes all records so far. 1,000 points of a tuning study are 1.1 MB; writing them
-    /// took
-    ///       40 to 55 ms on a busy machine of two cores.
+    /// took 40 to 55 ms on a busy machine of two cores.
     void add(const std::string& key, Results point);
 
     /// All finished points; complete if none of this shard's is missing.

@@ -203,8 +203,10 @@ void summarise(TimingRecord& record, uint64_t seed) {
 
 DeviceSpeed device_speed(const TimingRecord& record, uint64_t seed) {
     constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-    if (record.device_ms.size() != record.wall_ms.size())
+    const size_t rounds = record.device_ms.size();
+    if (rounds != record.wall_ms.size() || rounds != record.oracle_wall_ms.size()) {
         return {kNone, kNone, {kNone, kNone, kNone}};
+    }
     const double median_ms = median(record.device_ms);
     return {median_ms, static_cast<double>(record.ray_count) / (1e3 * median_ms),
             ratio_of_medians(record.oracle_wall_ms, record.device_ms, seed)};

@@ -94,7 +94,7 @@ PacedTimings time_with_pace(std::span<Tracer* const> tracers, size_t oracle, con
 void summarise(TimingRecord& record, uint64_t seed);
 
 /// The same by the device's own timer, launch and transfers left out; the oracle's time is wall
-/// time as before. All NaN where the device has no timer.
+/// time as before. All NaN where the device has no timer, or the rounds do not pair.
 struct DeviceSpeed {
     double median_ms = 0.0;
     double mrays_per_s = 0.0;

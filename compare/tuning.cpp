@@ -191,6 +191,7 @@ std::optional<Tuning> tuning_of(std::span<const SweepPoint> points) {
     if (is_by_density(points[tuning.best])) {
         const std::vector<size_t> curve = curve_through(points, ns, tuning.best);
         for (const double share : kBandShares) {
+            if (curve.size() < 2) break;  // one density is no curve
             tuning.bands.push_back(band_about(points, ns, curve, tuning.best, share));
         }
     }

@@ -62,7 +62,8 @@ struct Tuning {
     std::vector<double> predicted_ns;  ///< by the model; empty without
     std::optional<size_t> predicted;   ///< the size by density of the model's least time
     Regret predicted_regret{};
-    std::vector<DensityBand> bands;  ///< by kBandShares; empty if the best is not by density
+    std::vector<DensityBand> bands;  ///< by kBandShares; empty if nothing but the best is by
+                                     ///< density at its top density
 
     size_t smallest = 0;       ///< the fewest bytes within kNoFinerShare of the best
     double saved_bytes = 0.0;  ///< against the best

@@ -31,6 +31,12 @@ fs::path folder_of(const std::string& file) {
     return folder.empty() ? fs::path(".") : folder;
 }
 
+/// What a file without samples and without a digest says cannot be held against anything.
+const char* outcome_text(const Audit& found) {
+    if (!found.passed()) return "FAILED";
+    return found.derived == 0 && !found.sealed ? "NOTHING TO CHECK" : "passed";
+}
+
 /// What the digest says, in words.
 std::string seal_text(const Audit& found) {
     if (!found.sealed) return "no digest stored";
@@ -46,9 +52,8 @@ bool check_files(const std::vector<std::string>& inputs) {
         if (!file) read_results(input);  // says what is wrong with it
         const Audit found =
             audit({std::istreambuf_iterator<char>(file), {}}, input, folder_of(input));
-        fmt::print("{}: {}: {} figures derived again, {} differ; {}\n", input,
-                   found.passed() ? "passed" : "FAILED", found.derived, found.discrepancies.size(),
-                   seal_text(found));
+        fmt::print("{}: {}: {} figures derived again, {} differ; {}\n", input, outcome_text(found),
+                   found.derived, found.discrepancies.size(), seal_text(found));
         if (found.underived > 0) {
             fmt::print("  {} figures rest on samples that the file does not hold\n",
                        found.underived);

@@ -62,8 +62,7 @@ std::vector<SelectedStrategy> grid_strategies(const Session& session,
     return selected;
 }
 
-// ---- What the tables say
-// -------------------------------------------------------------------------
+// ---- What the tables say ------------------------------------------------------------------------
 
 std::string percent(double share) { return fmt::format("{:.1f} %", 100.0 * share); }
 
@@ -102,9 +101,10 @@ std::string findings(std::span<const SweepPoint> points, const Tuning& tuning) {
                         regret_text(tuning.automatic_regret));
     }
     if (tuning.per_object) {
-        text += fmt::format("  per object: {}: {} faster than the best single density\n",
-                            size_text(size_of(points[*tuning.per_object])),
-                            percent(tuning.per_object_gain));
+        const double gain = tuning.per_object_gain;
+        text += fmt::format("  per object: {}: {} {} than the best single density\n",
+                            size_text(size_of(points[*tuning.per_object])), percent(std::abs(gain)),
+                            gain < 0.0 ? "slower" : "faster");
     }
     for (const DensityBand& band : tuning.bands) text += "  " + band_text(band) + "\n";
     const SweepPoint& smallest = points[tuning.smallest];
@@ -162,8 +162,7 @@ std::vector<std::vector<SweepPoint>> grouped(const std::vector<SweepPoint>& poin
     return groups;
 }
 
-// ---- --fit: costs from results
-// -------------------------------------------------------------------
+// ---- --fit: costs from results ------------------------------------------------------------------
 
 std::string fit_text(const std::vector<SweepPoint>& points) {
     std::set<std::string> tracers;
@@ -211,8 +210,7 @@ void print_fit(const std::vector<std::string>& files) {
     fmt::print("{}", text);
 }
 
-// ---- The work
-// ------------------------------------------------------------------------------------
+// ---- The work -----------------------------------------------------------------------------------
 
 /// What is measured at once and finished as a whole: one listed size; or a search, with what its
 /// outcome is compared with; or the size that --sizing adds to a list.

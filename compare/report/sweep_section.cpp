@@ -117,10 +117,11 @@ std::string outcome(const Sweep& sweep, const Tuning& tuning) {
                             regret_text(tuning.automatic_regret));
     }
     if (tuning.per_object) {
+        const double gain = tuning.per_object_gain;
         html += fmt::format(
-            "<dt>Each object its own λ</dt><dd>{} faster than the best single λ"
+            "<dt>Each object its own λ</dt><dd>{} {} than the best single λ"
             "</dd>\n",
-            percent(tuning.per_object_gain));
+            percent(std::abs(gain)), gain < 0.0 ? "slower" : "faster");
     }
     for (const DensityBand& band : tuning.bands) html += band_text(band);
     return html + fmt::format(

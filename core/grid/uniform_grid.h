@@ -45,16 +45,19 @@ struct UniformGrid {
 /// Source: Fujimoto 1985; Adinetz & Berezin, section 3 (top level: scene subdivision).
 UniformGrid build_box_grid(std::span<const Bounds> boxes, const GridSizing& sizing);
 
+/// What becomes of triangles that equal a lower one.
+enum class Duplicates { kept, dropped };
+
 /// Builds a grid over an object's triangles: a triangle is referenced by every cell that its exact
 /// surface overlaps (separating axes, cells widened by kBinningPad), not by its whole box. A
 /// triangle that touches a closed cell is always referenced, degenerate ones (points, segments)
 /// included.
 ///
-/// With Duplicates::dropped, no cell references a triangle that equals a lower one
-/// (core/grid/duplicates.h): by the rule for equal t it never is the answer.
+/// With Duplicates::dropped, no cell references a triangle that equals a lower one, as far as
+/// later_duplicates() finds them (core/grid/duplicates.h): by the rule for equal t it never is the
+/// answer.
 /// Cost, errors: as build_box_grid; a triangle also costs the rows (along x) of its box.
 /// Source: Adinetz & Berezin, section 3 (second-level subdivision); Akenine-Moller 2001.
-enum class Duplicates { kept, dropped };
 UniformGrid build_triangle_grid(const Object& object, const GridSizing& sizing,
                                 Duplicates duplicates = Duplicates::kept);
 

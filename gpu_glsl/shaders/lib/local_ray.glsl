@@ -26,8 +26,7 @@ LocalRay moved_from_afar(LocalRay ray, INOUT(float) start) {
 }
 
 double sharp_dot(dvec3 a, dvec3 b) {
-    double d = a.x * b.x + a.y * b.y + a.z * b.z;
-    return d;
+    return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
 // 1 / x to 2^-52 of it, without a division of doubles, for which GPUs have no unit: two of Newton's

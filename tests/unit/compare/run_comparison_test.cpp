@@ -98,6 +98,14 @@ TEST(CompareRuns, compares_counts_exactly) {
     EXPECT_TRUE(any_more_errors(comparison));
 }
 
+TEST(CompareRuns, finds_more_errors_in_a_check_without_speeds) {
+    Results before = run_of({}), after = run_of({});
+    EXPECT_FALSE(any_more_errors(compare_runs(before, after)));
+    after.checks[0].classes[static_cast<size_t>(HitClass::false_miss)].count = 1;
+    EXPECT_TRUE(any_more_errors(compare_runs(before, after)));
+    EXPECT_FALSE(any_more_errors(compare_runs(after, before)));
+}
+
 TEST(CompareRuns, warns_of_another_machine_scene_and_rays) {
     Results other = run_of({timing(0.5)});
     other.manifest.cpu = "another CPU";
@@ -145,6 +153,20 @@ TEST(CompareRuns, compares_grid_sizes_by_their_intervals_and_their_cells_exactly
     EXPECT_TRUE(std::isnan(change.noise));
     ASSERT_EQ(comparison.counts.size(), 1u);
     EXPECT_EQ(comparison.counts[0].after, 101.0);
+}
+
+TEST(CompareRuns, tells_sizes_apart_that_have_the_same_density) {
+    SweepPoint by_cells = grid_size(0.5, 100), by_object = grid_size(0.5, 100);
+    by_cells.resolution = "8x8x8";
+    by_object.sizes = "1,2";
+    Results a, b;
+    a.sweeps = {grid_size(0.5, 100), by_cells};
+    b.sweeps = {by_object, by_cells};
+    const auto comparison = compare_runs(a, b);
+    ASSERT_EQ(comparison.speeds.size(), 1u);
+    EXPECT_NE(comparison.speeds[0].at.find("8x8x8"), std::string::npos);
+    EXPECT_TRUE(any_contains(comparison.only_before, "density 8"));
+    EXPECT_TRUE(any_contains(comparison.only_after, "1,2"));
 }
 
 }  // namespace

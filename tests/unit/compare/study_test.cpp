@@ -164,6 +164,22 @@ TEST(Study, refuses_the_unfinished_file_of_another_request_and_says_what_differs
     EXPECT_EQ(Study(moved).kept(), 1u) << "neither the place nor the time matters";
 }
 
+TEST(Study, does_not_seal_an_edit_of_its_unfinished_file) {
+    const TemporaryFolder folder;
+    const auto file = folder.path() / "f.json";
+    Study begun(request(file));
+    begun.add(kKeys[0], point(kKeys[0], 1.5));
+    std::string text = read_bytes(file);
+    ASSERT_EQ(Study(request(file)).kept(), 1u);
+    const size_t figure = text.find("1.5");
+    ASSERT_NE(figure, std::string::npos);
+    text.replace(figure, 3, "1.4");
+    folder.write("f.json", text);
+    const Error error = test::error_of([&] { Study{request(file)}; });
+    EXPECT_TRUE(test::is_clear(error));
+    EXPECT_TRUE(test::contains(error.parts().got, "edited"));
+}
+
 TEST(Study, refuses_to_go_on_in_a_scene_whose_file_has_changed) {
     Study study(request(""));
     study.add(kKeys[0], point(kKeys[0]));

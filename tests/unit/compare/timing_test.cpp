@@ -281,6 +281,9 @@ TEST(DeviceSpeed, is_of_the_devices_own_time_and_absent_without_a_timer) {
     EXPECT_EQ(speed.mrays_per_s, 2.0);
     EXPECT_EQ(speed.ratio.ratio, 8.0);
     EXPECT_TRUE(std::isnan(device_speed(records[0], 0).mrays_per_s));
+    TimingRecord edited = records[0];
+    edited.wall_ms.clear();
+    EXPECT_TRUE(std::isnan(device_speed(edited, 0).ratio.ratio)) << "no pairs, and no abort";
 }
 
 TEST(TimeWithPace, reads_the_clocks_around_the_counted_casts) {

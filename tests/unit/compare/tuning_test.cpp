@@ -118,6 +118,12 @@ TEST(Tuning, has_bands_whose_ends_lie_where_the_curve_crosses_their_share) {
     EXPECT_FALSE(tuning.bands[1].low_open);
     points.erase(points.begin(), points.begin() + 2);
     EXPECT_TRUE(tuning_of(points)->bands[0].low_open);
+
+    SweepPoint alone = point_at(4.0, {});
+    alone.top_density = 9.6;
+    alone.wall_ms.assign(9, 0.5);
+    points.push_back(alone);
+    EXPECT_TRUE(tuning_of(points)->bands.empty()) << "one density is no curve";
 }
 
 TEST(Tuning, saves_memory_with_the_smallest_grid_within_its_share) {

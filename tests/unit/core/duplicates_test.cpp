@@ -101,6 +101,7 @@ TEST(Duplicates, are_the_same_for_any_number_of_threads) {
         const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
         alone = later_duplicates(object);
     }
+    ASSERT_FALSE(alone.empty()) << "or there is nothing to compare";
     EXPECT_EQ(later_duplicates(object), alone);
 }
 
