@@ -414,6 +414,57 @@ TEST_F(GridStrategy, a_triangle_seen_nearly_edge_on_is_not_hit_from_beside) {
     }
 }
 
+/// Two triangles and rays that meet them about as far away: one is seen flatly, so that floats know
+/// its t badly, the other one squarely, a little before or behind it.
+std::pair<Scene, std::vector<Ray>> flat_beside_square(std::mt19937& engine) {
+    std::uniform_real_distribution<float> unit(0.0f, 1.0f);
+    const auto between = [&](float low, float high) {
+        return low * std::pow(high / low, unit(engine));
+    };
+    const vec3 dir = glm::normalize(vec3(unit(engine), unit(engine), 1.0f));
+    const vec3 side_1 = glm::normalize(glm::cross(dir, vec3(unit(engine), 1.0f, 0.0f)));
+    const vec3 side_2 = glm::cross(dir, side_1);
+    const vec3 org(unit(engine), unit(engine), -1.0f);
+    const float t = 1.0f + unit(engine);
+    const float slope = between(1e-4f, 1e-2f);
+    const float apart = between(1e-5f, 1e-3f) * (unit(engine) < 0.5f ? 1.0f : -1.0f);
+
+    Scene scene = *ball_at(vec3(0.0f), 1.0f);
+    Object& object = scene.objects.front();
+    object.positions.clear();
+    object.triangles.clear();
+    object.normals.clear();
+    const auto add = [&](const vec3& centre, const vec3& across, const vec3& along) {
+        const auto first = static_cast<uint32_t>(object.positions.size());
+        object.positions.push_back(centre + across);
+        object.positions.push_back(centre - 0.5f * across + 0.8f * along);
+        object.positions.push_back(centre - 0.5f * across - 0.8f * along);
+        object.triangles.emplace_back(first, first + 1, first + 2);
+    };
+    add(org + t * dir, side_2, glm::normalize(dir - slope * side_1));
+    add(org + (t + apart) * dir, side_2, side_1);
+    object.groups = {{"all", 0, uint32_t(object.triangles.size())}};
+    validate(scene);
+
+    // Side by side in the flat one's plane, so that its t is the same for all.
+    std::vector<Ray> rays;
+    for (int i = 0; i < 32; ++i) {
+        rays.push_back({org + 0.3f * (unit(engine) - 0.5f) * side_2, 0.0f, dir, kInfinity});
+    }
+    return {std::move(scene), std::move(rays)};
+}
+
+TEST_F(GridStrategy, a_surface_seen_flatly_hides_none_that_is_about_as_far_away) {
+    std::mt19937 engine(11);
+    for (int i = 0; i < 60; ++i) {
+        const auto [made, rays] = flat_beside_square(engine);
+        const ScenePtr scene = share(made);
+        for (const char* entry : {"grid/buffer/twin32", "grid/buffer/fragment"}) {
+            expect_no_error(*make(entry, scene), scene, rays, fmt::format("{}, {}", entry, i));
+        }
+    }
+}
+
 TEST_F(GridStrategy, a_hit_at_the_very_end_of_the_interval_is_decided_exactly) {
     const ScenePtr scene = ball_at(vec3(5.0f, 3.0f, -2.0f), 1.0f);
     const auto tracer = make("grid/buffer/twin32", scene);
