@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 namespace onepass {
@@ -106,6 +107,12 @@ void fit_scales(std::span<const WorkSample> samples, const Vector& costs,
     for (double& scale : scales) scale /= mean;
 }
 
+/// The costs of a strategy, whatever its storage and entry.
+struct KnownCosts {
+    std::string_view strategy;
+    CostModel costs;
+};
+
 // What `onepass tune --fit results/tune/fitted-on.json` prints; the manifest of that file holds the
 // `onepass tune` that made it: knot2, camel, cheese, fandisk_large, couplingdown, knife, sr71a and
 // balls-1, primary rays, llvmpipe on two cores. Only the ratios of the costs decide; other
@@ -141,8 +148,6 @@ std::optional<CostModel> fit_costs(std::span<const WorkSample> samples) {
     return CostModel{costs[0], costs[1], costs[2],
                      std::sqrt(squares / static_cast<double>(samples.size()))};
 }
-
-std::span<const KnownCosts> known_costs() { return kKnownCosts; }
 
 const CostModel* known_costs_of(const std::string& tracer) {
     const std::string_view strategy = std::string_view(tracer).substr(0, tracer.find('/'));

@@ -44,16 +44,8 @@ struct WorkSample {
 /// alone. Nothing for fewer than three samples.
 std::optional<CostModel> fit_costs(std::span<const WorkSample> samples);
 
-/// Costs that come with the program, for `auto` sizes on a machine that was never measured.
-struct KnownCosts {
-    std::string_view strategy;  ///< the first part of a tracer's name
-    CostModel costs;
-};
-
-/// The table, its origin beside it in cost_model.cpp.
-std::span<const KnownCosts> known_costs();
-
-/// Those of a tracer's strategy; null if there are none.
+/// Costs that come with the program, for `auto` sizes on a machine that was never measured: those
+/// of a tracer's strategy; null if there are none. Their origin stands in cost_model.cpp.
 const CostModel* known_costs_of(const std::string& tracer);
 
 }  // namespace onepass

@@ -1,8 +1,10 @@
 // What a grid-size study says: fits, optima, bands and regrets of points whose answers are known.
 #include "compare/tuning.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -208,6 +210,27 @@ TEST(CoarsestWorthwhile, takes_a_finer_grid_only_if_it_promises_enough) {
     const double within = 1.0 + 0.5 * kWorthwhile, beyond = 1.0 + 2.0 * kWorthwhile;
     EXPECT_EQ(coarsest_worthwhile(std::vector<double>{beyond, within, 1.0, 1.2}), 1u);
     EXPECT_EQ(coarsest_worthwhile(std::vector<double>{beyond, beyond, 1.0, 1.2}), 2u);
+}
+
+/// The table is written with as many digits as `tune --fit` prints.
+constexpr double kPrintedShare = 1e-3;
+
+TEST(KnownCosts, are_what_the_published_study_gives) {
+    const Results study = read_results(ONEPASS_SOURCE_DIR "/results/tune/fitted-on.json");
+    std::set<std::string> tracers;
+    for (const SweepPoint& point : study.sweeps) tracers.insert(point.tracer);
+    ASSERT_EQ(tracers.size(), 2u);
+    for (const std::string& tracer : tracers) {
+        std::vector<SweepPoint> own;
+        std::copy_if(study.sweeps.begin(), study.sweeps.end(), std::back_inserter(own),
+                     [&](const SweepPoint& point) { return point.tracer == tracer; });
+        const std::optional<CostModel> fit = costs_of(own, tracer);
+        const CostModel* known = known_costs_of(tracer);
+        ASSERT_TRUE(fit && known) << tracer;
+        EXPECT_NEAR(known->ray, fit->ray, kPrintedShare * fit->ray) << tracer;
+        EXPECT_NEAR(known->cell, fit->cell, kPrintedShare * fit->cell) << tracer;
+        EXPECT_NEAR(known->test, fit->test, kPrintedShare * fit->test) << tracer;
+    }
 }
 
 }  // namespace
