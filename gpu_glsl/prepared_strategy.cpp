@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/grid/two_level_grid.h"
 #include "gpu_glsl/pack/bvh_buffers.h"
+#include "gpu_glsl/pack/flat_grid_buffers.h"
 #include "gpu_glsl/pack/irregular_grid_buffers.h"
 #include "gpu_glsl/pack/shading_tables.h"
 #include "gpu_glsl/pack/two_level_buffers.h"
@@ -349,6 +350,44 @@ void pack_irregular_in_blocks(PreparedStrategy& prepared, const TextureLimits& l
     pack_irregular_grid(prepared, limits, BufferKind::block);
 }
 
+// ---- One grid over all instances in buffers -----------------------------------------------------
+
+/// Of one cell size for all of a scene, what is fine in it sets the size.
+constexpr double kFlatDensity = 64.0;
+
+std::vector<ParamInfo> flat_grid_params() {
+    using Type = ParamInfo::Type;
+    return {
+        {"density",
+         Type::real,
+         fmt::format("{}", kFlatDensity),
+         "cells per triangle of all instances (lambda)",
+         {}},
+        {"resolution", Type::text, "auto", "cells of the grid, XxYxZ; overrides density", {}},
+    };
+}
+
+void pack_flat_grid(PreparedStrategy& prepared, const TextureLimits& limits, BufferKind kind) {
+    const GridSizing sizing{.density = positive(prepared.params, "density"),
+                            .resolution = explicit_resolution(prepared.params, "resolution")};
+    check_flat_grid_fits(*prepared.scene, limits, kind);
+    FlatGrid grid = build_flat_grid(*prepared.scene, sizing);
+    const double build_ms = grid.build_ms;
+    const auto start = std::chrono::steady_clock::now();
+    TwoLevelBuffers packed = pack_flat_grid_buffers(*prepared.scene, std::move(grid), limits, kind);
+    prepared.stats = {{"build_ms", build_ms, "all threads"}, {"pack_ms", ms_since(start), ""}};
+    add_packed(prepared, packed);
+    prepared.param_constants.push_back({"has_top_level", false});
+}
+
+void pack_flat_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_flat_grid(prepared, limits, BufferKind::texture);
+}
+
+void pack_flat_in_blocks(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_flat_grid(prepared, limits, BufferKind::block);
+}
+
 // ---- Bounding volume hierarchies in buffers ----------------------------------------------------
 
 std::vector<ParamInfo> bvh_params() {
@@ -400,6 +439,8 @@ constexpr Packing kPackings[] = {
     {"two_level_grid", "ssbo", two_level_buffer_params, pack_in_blocks},
     {"irregular_grid", "buffer", irregular_grid_params, pack_irregular_in_buffers},
     {"irregular_grid", "ssbo", irregular_grid_params, pack_irregular_in_blocks},
+    {"flat_grid", "buffer", flat_grid_params, pack_flat_in_buffers},
+    {"flat_grid", "ssbo", flat_grid_params, pack_flat_in_blocks},
     {"bvh", "buffer", bvh_params, pack_bvh},
 };
 

@@ -91,6 +91,24 @@ dvec3 centre_in(const Bounds& box, const GridFrame& frame) {
     return dvec3(vec3((0.5 * twice - frame.origin) * frame.scale));
 }
 
+dvec3 world_point(const Affine& world_from_object, const vec3& point, const dvec3& from) {
+    dvec3 result;
+    for (int axis = 0; axis < 3; ++axis) {
+        // Products of floats are exact in double; what each sum leaves over is kept.
+        double sum = -from[axis];
+        double rest = 0.0;
+        const auto add = [&](double term) {
+            const ExactSum next = exact_sum(sum, term);
+            sum = next.sum;
+            rest += next.rest;
+        };
+        add(world_from_object[3][axis]);
+        for (int k = 0; k < 3; ++k) add(double{world_from_object[k][axis]} * point[k]);
+        result[axis] = sum + rest;
+    }
+    return result;
+}
+
 void put_instance_rows(float* out, const Affine& world_from_object, const GridFrame& frame) {
     constexpr int kRows = 3;
     static_assert(kInstanceRowTexels == 2 * kRows);

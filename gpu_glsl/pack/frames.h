@@ -25,6 +25,10 @@ GridFrame object_frame(const Bounds& bounds);
 /// The centre of a box, as floats hold it in the frame.
 dvec3 centre_in(const Bounds& box, const GridFrame& frame);
 
+/// A point of an object as it stands in the world, less `from`: within 2^-52 of itself and 2^-100
+/// of what it is made of, however much of that cancels.
+dvec3 world_point(const Affine& world_from_object, const vec3& point, const dvec3& from);
+
 /// The map from the world to an instance's frame, as shared/grid_buffers_layout.h says of
 /// kInstanceRowTexels: 24 floats.
 void put_instance_rows(float* out, const Affine& world_from_object, const GridFrame& frame);

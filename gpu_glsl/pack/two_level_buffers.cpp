@@ -221,11 +221,15 @@ TextureData pack_instance_grids(const Scene& scene, const TextureLimits& limits)
 
 }  // namespace
 
+void grid_to_words(UniformGrid& grid, uint64_t first_reference) {
+    references_to_words(grid);
+    cells_to_words(grid, first_reference);
+}
+
 ShaderInputs pack_top_buffers(const Scene& scene, std::span<const Affine> world_from_object,
                               UniformGrid top, std::span<const GridFrame> frames,
                               const TextureLimits& limits) {
-    references_to_words(top);
-    cells_to_words(top, 0);
+    grid_to_words(top, 0);
     TextureData cells = word_buffer_of("top_cells", "cells", std::move(top.cell_begin), limits,
                                        BufferKind::texture);
     TextureData references = word_buffer_of("top_references", "references",
@@ -279,10 +283,7 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
          "of all grids"}};
 
     // The grids become buffers in place.
-    for (size_t k = 0; k < grids.size(); ++k) {
-        references_to_words(grids[k]);
-        cells_to_words(grids[k], first_reference[k]);
-    }
+    for (size_t k = 0; k < grids.size(); ++k) grid_to_words(grids[k], first_reference[k]);
     const auto add = [&](TextureData texture) {
         packed.inputs.textures.push_back(std::move(texture));
     };

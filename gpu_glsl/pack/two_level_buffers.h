@@ -33,6 +33,10 @@ struct TwoLevelBuffers {
 TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
                                        const TextureLimits& limits, BufferKind kind);
 
+/// Makes a grid's references and cells words (shared/grid_buffers_layout.h), in place. Its lists
+/// begin at `first_reference` of the buffer. Cost: parallel; 8 bits a cell while it works.
+void grid_to_words(UniformGrid& grid, uint64_t first_reference);
+
 /// The part that changes when instances move: buffers of the top level and of the instances, and
 /// uniforms. Cost: O(instances + top-level cells and references). Throws: as above.
 ShaderInputs pack_top_buffers(const Scene& scene, std::span<const Affine> world_from_object,

@@ -19,9 +19,13 @@ LocalRay moved(LocalRay ray, float start) {
 // For decisions a ray from afar is moved to t = start, where it enters what it is traced through:
 // doubles hold some 2^-53 of its way, and what moving loses is lost for all triangles alike. One
 // from close by is taken as it is, and `start` becomes 0.
-LocalRay moved_from_afar(LocalRay ray, INOUT(float) start) {
+bool is_from_afar(LocalRay ray) {
     const float kNear = 16.0;  // in sizes of the object
-    if (largest(abs(vec3(ray.org))) <= kNear) start = 0.0;
+    return !(largest(abs(vec3(ray.org))) <= kNear);
+}
+
+LocalRay moved_from_afar(LocalRay ray, INOUT(float) start) {
+    if (!is_from_afar(ray)) start = 0.0;
     return moved(ray, start);
 }
 

@@ -78,10 +78,10 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
                         uint found, Findings earlier) {
     const float kWidth = 6.103515625e-5;  // 2^-14, in sizes of the object
     Findings now = no_findings();
-    Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
+    Grid grid = fetch_walked_grid(inst_id);
     // The course is the same from whichever cell of the top level the instance is met, so that a
     // triangle met twice gives the same t twice; the walk covers the part that was asked for.
-    Course course = course_in(grid, to_instance(inst_id, ray), ray.tmin, ray.tmax);
+    Course course = course_in(grid, to_walked_grid(inst_id, ray), ray.tmin, ray.tmax);
     now.start = course.start;
     now.is_over = true;
     // From here on t is that of the course.
@@ -126,7 +126,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
             uint prim_id = referenced(reference);
             is_in_list = !is_last_reference(reference);
             count_test();
-            NOTE_TEST(inst_id, prim_id);
+            NOTE_TEST(named(inst_id, prim_id).inst_id, named(inst_id, prim_id).prim_id);
             Planes planes = fetch_planes(grid, prim_id);
             Weights weights = weights_of(planes, sight);
             if (may_cross(weights, sight)) {
@@ -165,25 +165,32 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
     return now;
 }
 
-// Asks whether a triangle of an instance is hit before the nearest so far. `start`: of the course.
-void decide_on(uint inst_id, Ray ray, float start, uint prim_id, INOUT(Nearest) nearest) {
-    Grid grid = fetch_grid(fetch_grid_of_instance(inst_id));
-    LocalRay local = to_instance(inst_id, ray);
+// Asks whether a triangle is hit before the nearest so far, and so becomes it. `start`: of the course;
+// `listed`: what the walk's lists call the triangle.
+bool decide_on(uint inst_id, Ray ray, float start, uint listed, INOUT(Nearest) nearest) {
+    Name name = named(inst_id, listed);
     SharpHit sharp;
     double t;
     if (decide == kInFloats) {
-        Course course = course_in(grid, local, ray.tmin, ray.tmax);
-        sharp = blunt_hit(sight_from(course.org, course.dir), fetch_planes(grid, prim_id));
+        Grid grid = fetch_walked_grid(inst_id);
+        Course course = course_in(grid, to_walked_grid(inst_id, ray), ray.tmin, ray.tmax);
+        sharp = blunt_hit(sight_from(course.org, course.dir), fetch_planes(grid, listed));
         t = double(start) + sharp.t * inverse_of_power(course.length_of_t);
     } else {
+        Grid grid = fetch_grid(fetch_grid_of_instance(name.inst_id));
+        LocalRay local = to_instance(name.inst_id, ray);
+        start = start_in_instance(grid, local, ray, start);
         local = moved_from_afar(local, start);
-        sharp = sharp_hit(local, fetch_triangle(grid, prim_id));
+        sharp = sharp_hit(local, fetch_triangle(grid, name.prim_id));
         t = double(start) + sharp.t;
     }
-    if (sharp.is_hit && t >= double(ray.tmin) && t <= double(ray.tmax) &&
-        (t < nearest.t || (t == nearest.t && is_before(inst_id, prim_id, nearest.hit)))) {
-        nearest = Nearest(t, Hit(float(t), sharp.u, sharp.v, prim_id, inst_id));
+    bool is_taken = sharp.is_hit && t >= double(ray.tmin) && t <= double(ray.tmax) &&
+                    (t < nearest.t ||
+                     (t == nearest.t && is_before(name.inst_id, name.prim_id, nearest.hit)));
+    if (is_taken) {
+        nearest = Nearest(t, Hit(float(t), sharp.u, sharp.v, name.prim_id, name.inst_id));
     }
+    return is_taken;
 }
 
 // Finds the nearest hit on one instance, where the ray meets it in [t_first, t_last].
@@ -197,7 +204,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
     // (After each walk the nearest is made anew, so that a walk need not keep it.)
     Nearest before = nearest;
     double t_nearest = before.t;
-    uint found = before.hit.inst_id == inst_id ? before.hit.prim_id : kNoId;
+    uint found = listed_as(before.hit, inst_id, kNoId);
     Findings findings = no_findings();
     const int kMostRounds = 1 << 20;
     for (int rounds = kMostRounds; rounds > 0; --rounds) {
@@ -206,15 +213,16 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
         uint asked = findings.found != kNoId ? findings.found : findings.open;
         uint next = findings.found != kNoId ? findings.open : findings.other;
         uint last = findings.found != kNoId ? findings.other : kNoId;
+        uint taken = kNoId;
         while (asked != kNoId) {
-            decide_on(inst_id, ray, findings.start, asked, nearest);
+            if (decide_on(inst_id, ray, findings.start, asked, nearest)) taken = asked;
             asked = next;
             next = last;
             last = kNoId;
         }
         if (!findings.is_full || is_enough(nearest)) break;
         t_nearest = nearest.t;
-        found = nearest.hit.inst_id == inst_id ? nearest.hit.prim_id : kNoId;
+        found = listed_as(nearest.hit, inst_id, taken);
     }
     if (!findings.is_over && !is_enough(nearest)) ray_flags |= kFlagExhausted;
 }
@@ -280,7 +288,7 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
 Hit closest_hit(Ray ray) {
     if (!is_traceable(ray)) return no_hit();
     Nearest nearest = Nearest(double(infinity()), no_hit());
-    if (!has_top_level) walk_instance(0u, ray, ray.tmin, ray.tmax, nearest);
+    if (!has_top_level) walk_instance(kWholeScene, ray, ray.tmin, ray.tmax, nearest);
 #if NEEDS(has_top_level)
     if (has_top_level) walk_scene(ray, nearest);
 #endif

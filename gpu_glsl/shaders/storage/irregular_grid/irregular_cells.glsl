@@ -7,6 +7,7 @@
 #pragma once
 #include "shared/irregular_grid_layout.h"
 #include "storage/two_level_grid/grid_buffers.glsl"
+#include "storage/two_level_grid/walked_instance.glsl"
 
 #include "lib/grid/walk.glsl"
 

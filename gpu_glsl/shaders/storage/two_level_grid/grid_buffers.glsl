@@ -8,7 +8,8 @@
 //
 //   uint corner_word(int index), vertex_word(int index)
 //
-// and an object's cells, as storage/two_level_grid/uniform_cells.glsl does.
+// an object's cells, as storage/two_level_grid/uniform_cells.glsl does, and what one walk goes
+// through, as storage/two_level_grid/walked_instance.glsl does.
 //
 // All that belongs to a grid is stored in the grid's frame, so that an object far from the origin,
 // or of any size, is as precise as one of size 1 around it. The frame's origin is at a corner of
@@ -75,6 +76,12 @@ bool is_last_reference(uint reference) { return (reference & kMoreReferences) ==
 uint referenced(uint reference) { return reference & ~kMoreReferences; }
 
 // ---- Triangles and instances -------------------------------------------------------------------
+
+// What the scene calls a triangle.
+struct Name {
+    uint inst_id;
+    uint prim_id;
+};
 
 Planes fetch_planes(Grid grid, uint prim_id) {
     int at = (grid.first_triangle + int(prim_id)) * kPlanesTexels;

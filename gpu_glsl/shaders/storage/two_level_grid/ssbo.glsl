@@ -17,3 +17,4 @@ uint vertex_word(int index) { return FETCHSTORAGE(vertices, index); }
 
 #include "storage/two_level_grid/grid_buffers.glsl"
 #include "storage/two_level_grid/uniform_cells.glsl"
+#include "storage/two_level_grid/walked_instance.glsl"

@@ -1,0 +1,232 @@
+#include "gpu_glsl/pack/flat_grid_buffers.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "core/error.h"
+#include "core/grid/duplicates.h"
+#include "core/grid/two_level_grid.h"
+#include "gpu_glsl/pack/barycentric_planes.h"
+
+namespace onepass {
+namespace {
+
+#include "gpu_glsl/shaders/shared/grid_buffers_layout.h"
+
+constexpr size_t kPlanesFloats = 4 * kPlanesTexels;
+
+/// Calls visit(i) for each i below `count`, in parallel.
+template <class Visit>
+void for_each(size_t count, const Visit& visit) {
+    tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 1 << 12), [&](const auto& range) {
+        for (size_t i = range.begin(); i != range.end(); ++i) visit(i);
+    });
+}
+
+const Object& object_of(const Scene& scene, const Instance& instance) {
+    return scene.objects[instance.object];
+}
+
+/// All triangles but those that equal a lower one.
+std::vector<uint32_t> without_duplicates(const Object& object) {
+    const std::vector<uint8_t> is_dropped = later_duplicates(object);
+    std::vector<uint32_t> listed;
+    for (uint32_t i = 0; i < object.triangles.size(); ++i) {
+        if (is_dropped.empty() || is_dropped[i] == 0) listed.push_back(i);
+    }
+    return listed;
+}
+
+/// Its origin is the float nearest to the middle of the scene. That may be far from there beside a
+/// small scene far out, and so the centre in the frame is what everything is counted from.
+void place_frame(FlatGrid& flat, const Scene& scene) {
+    dvec3 lower(kInfinity);
+    dvec3 upper(-kInfinity);
+    for (const Instance& instance : scene.instances) {
+        for (const vec3& p : object_of(scene, instance).positions) {
+            const dvec3 q = world_point(instance.world_from_object, p, dvec3(0.0));
+            lower = glm::min(lower, q);
+            upper = glm::max(upper, q);
+        }
+    }
+    const dvec3 middle = 0.5 * lower + 0.5 * upper;
+    const dvec3 extent = upper - lower;
+    flat.frame.origin = dvec3(vec3(middle));
+    // Beyond this the numbers of a plain transform would leave the range of float.
+    constexpr int kMostBinaryPlaces = 100;
+    const double largest = std::max({extent.x, extent.y, extent.z});
+    const int exponent = largest > 0.0 ? std::ilogb(largest) + 1 : -kMostBinaryPlaces;
+    flat.frame.scale =
+        std::ldexp(1.0, -std::clamp(exponent, -kMostBinaryPlaces, kMostBinaryPlaces));
+    flat.centre = dvec3(vec3((middle - flat.frame.origin) * flat.frame.scale));
+}
+
+/// A point of an instance in the frame, from the centre: right to 2^-52 of the frame's unit.
+dvec3 in_frame(const FlatGrid& flat, const Instance& instance, const vec3& p) {
+    return world_point(instance.world_from_object, p, flat.frame.origin) * flat.frame.scale -
+           flat.centre;
+}
+
+/// The triangles in the frame, their corners rounded to floats: what the cells' lists are made of.
+/// A corner is within 1/2 of the centre, and so it moves by 2^-25 of the extent on each axis at
+/// most.
+Object mesh_in_frame(const FlatGrid& flat, const Scene& scene) {
+    Object mesh;
+    mesh.name = scene.name;
+    mesh.triangles.resize(flat.first.back());
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
+        const Object& object = object_of(scene, instance);
+        const std::vector<uint32_t>& listed = flat.listed[instance.object];
+        const size_t first_vertex = mesh.positions.size();
+        mesh.positions.resize(first_vertex + object.positions.size());
+        for_each(object.positions.size(), [&](size_t k) {
+            mesh.positions[first_vertex + k] = vec3(in_frame(flat, instance, object.positions[k]));
+        });
+        for_each(listed.size(), [&](size_t k) {
+            mesh.triangles[flat.first[i] + k] =
+                object.triangles[listed[k]] + uvec3(static_cast<uint32_t>(first_vertex));
+        });
+    }
+    return mesh;
+}
+
+/// From the corners as they are, not as mesh_in_frame() rounds them: they are wrong by 2^-52, which
+/// moves a weight of rule_out.glsl by 2^-51 of the record's sums A + B. Its bound, 22 * 2^-24 of
+/// A + B + 1, has that in what it is rounded up by.
+RawVector<float> pack_planes(const FlatGrid& flat, const Scene& scene) {
+    RawVector<float> planes(kPlanesFloats * flat.first.back());
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
+        const Object& object = object_of(scene, instance);
+        const std::vector<uint32_t>& listed = flat.listed[instance.object];
+        for_each(listed.size(), [&](size_t k) {
+            std::array<dvec3, 3> p;
+            for (size_t v = 0; v < p.size(); ++v) {
+                const uint32_t corner = object.triangles[listed[k]][static_cast<int>(v)];
+                p[v] = in_frame(flat, instance, object.positions[corner]);
+            }
+            put_barycentric_planes(&planes[kPlanesFloats * (flat.first[i] + k)], p[0], p[1], p[2]);
+        });
+    }
+    return planes;
+}
+
+TextureData pack_names(const FlatGrid& flat, const Scene& scene, const TextureLimits& limits) {
+    TextureData names = make_word_buffer("flat_names", "triangles", flat.first.back(), 2, limits);
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const std::vector<uint32_t>& listed = flat.listed[scene.instances[i].object];
+        for_each(listed.size(), [&](size_t k) {
+            uint32_t* const name = &names.words[2 * (flat.first[i] + k)];
+            name[0] = static_cast<uint32_t>(i);
+            name[1] = listed[k];
+        });
+    }
+    return names;
+}
+
+std::vector<UniformData> flat_uniforms(const FlatGrid& flat) {
+    const UniformGrid& grid = flat.grid;
+    return {{"flat_origin", vec3(flat.frame.origin)},
+            {"flat_scale", static_cast<float>(flat.frame.scale)},
+            {"flat_centre", vec3(flat.centre)},
+            {"flat_lower", grid.bounds.lower},
+            {"flat_upper", grid.bounds.upper},
+            {"flat_cell", vec3(grid.cell_size())},
+            {"flat_cells_per_unit", vec3(1.0 / grid.cell_size())},
+            {"flat_dims", vec3(grid.dims)}};
+}
+
+/// What frames and instances are packed from: grids of one cell where those of `grid` lie.
+TwoLevelGrid grids_around(const Scene& scene) {
+    TwoLevelGrid around;
+    around.top = build_box_grid(instance_bounds(scene), {.resolution = uvec3(1)});
+    for (const Object& object : scene.objects) {
+        UniformGrid& grid = around.objects.emplace_back();
+        grid.bounds = padded_bounds(object_bounds(object));
+        grid.cell_begin = {0, 1};
+        grid.references = {0};
+    }
+    return around;
+}
+
+[[noreturn]] void refuse(uint64_t triangles, uint64_t most) {
+    throw Error(
+        {.where = "one grid over the triangles of all instances",
+         .got = fmt::format("{} triangles", triangles),
+         .expected = fmt::format("at most {}, with {} bytes each in one buffer", most,
+                                 kPlanesFloats * sizeof(float)),
+         .remedy = "Use `grid`, which keeps an object once, however many instances it has."});
+}
+
+}  // namespace
+
+FlatGrid build_flat_grid(const Scene& scene, const GridSizing& sizing) {
+    const auto start = std::chrono::steady_clock::now();
+    FlatGrid flat;
+    flat.listed.resize(scene.objects.size());
+    tbb::parallel_for(size_t{0}, scene.objects.size(),
+                      [&](size_t k) { flat.listed[k] = without_duplicates(scene.objects[k]); });
+    flat.first = {0};
+    for (const Instance& instance : scene.instances) {
+        flat.first.push_back(flat.first.back() + flat.listed[instance.object].size());
+    }
+    place_frame(flat, scene);
+    flat.grid = build_triangle_grid(mesh_in_frame(flat, scene), sizing);
+    const std::chrono::duration<double, std::milli> elapsed =
+        std::chrono::steady_clock::now() - start;
+    flat.build_ms = elapsed.count();
+    return flat;
+}
+
+void check_flat_grid_fits(const Scene& scene, const TextureLimits& limits, BufferKind kind) {
+    uint64_t triangles = 0;
+    for (const Instance& instance : scene.instances) {
+        triangles += object_of(scene, instance).triangles.size();
+    }
+    const uint64_t most = std::min<uint64_t>(
+        kMoreReferences - 1, kind == BufferKind::block
+                                 ? limits.max_block / (kPlanesFloats * sizeof(float))
+                                 : limits.max_buffer / kPlanesTexels);
+    if (triangles > most) refuse(triangles, most);
+}
+
+TwoLevelBuffers pack_flat_grid_buffers(const Scene& scene, FlatGrid flat,
+                                       const TextureLimits& limits, BufferKind kind) {
+    // What decisions rest on.
+    TwoLevelBuffers packed = pack_two_level_buffers(scene, grids_around(scene), limits, kind);
+    ShaderInputs& inputs = packed.inputs;
+
+    // What the walk reads.
+    UniformGrid& grid = flat.grid;
+    packed.object_cells = grid.cell_count();
+    packed.object_references = grid.references.size();
+    const std::vector<UniformData> uniforms = flat_uniforms(flat);
+    inputs.uniforms.insert(inputs.uniforms.end(), uniforms.begin(), uniforms.end());
+    grid_to_words(grid, 0);
+    grid.references.push_back(0);  // read, though not used, behind the last list
+    inputs.texture("cells") =
+        word_buffer_of("cells", "cells", std::move(grid.cell_begin), limits, kind);
+    inputs.texture("references") =
+        word_buffer_of("references", "references", std::move(grid.references), limits, kind);
+    inputs.texture("planes") =
+        float_buffer_of("planes", "triangles", pack_planes(flat, scene), limits, kind);
+    inputs.textures.push_back(pack_names(flat, scene, limits));
+
+    packed.stats = {{"triangles", static_cast<double>(flat.first.back()), "of all instances"},
+                    {"cells", static_cast<double>(packed.object_cells), ""},
+                    {"references", static_cast<double>(packed.object_references), ""}};
+    for (const TextureData& texture : inputs.textures) {
+        packed.stats.push_back({texture.name + "_bytes", static_cast<double>(texture.bytes()), ""});
+    }
+    return packed;
+}
+
+}  // namespace onepass
