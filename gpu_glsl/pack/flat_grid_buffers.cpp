@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
+#include <tbb/combinable.h>
 #include <tbb/parallel_for.h>
 
 #include "core/error.h"
@@ -21,14 +22,6 @@ namespace {
 #include "gpu_glsl/shaders/shared/grid_buffers_layout.h"
 
 constexpr size_t kPlanesFloats = 4 * kPlanesTexels;
-
-/// Calls visit(i) for each i below `count`, in parallel.
-template <class Visit>
-void for_each(size_t count, const Visit& visit) {
-    tbb::parallel_for(tbb::blocked_range<size_t>(0, count, 1 << 12), [&](const auto& range) {
-        for (size_t i = range.begin(); i != range.end(); ++i) visit(i);
-    });
-}
 
 const Object& object_of(const Scene& scene, const Instance& instance) {
     return scene.objects[instance.object];
@@ -44,20 +37,71 @@ std::vector<uint32_t> without_duplicates(const Object& object) {
     return listed;
 }
 
+/// Calls visit(index, inst_id, prim_id) for each triangle of the list, in parallel.
+template <class Visit>
+void for_each_triangle(const FlatGrid& flat, const Scene& scene, const Visit& visit) {
+    for (uint32_t inst_id = 0; inst_id < scene.instances.size(); ++inst_id) {
+        const std::vector<uint32_t>& listed = flat.listed[scene.instances[inst_id].object];
+        constexpr size_t kTrianglesATask = 1 << 12;
+        tbb::parallel_for(tbb::blocked_range<size_t>(0, listed.size(), kTrianglesATask),
+                          [&](const auto& range) {
+                              for (size_t k = range.begin(); k != range.end(); ++k) {
+                                  visit(flat.first[inst_id] + k, inst_id, listed[k]);
+                              }
+                          });
+    }
+}
+
+/// Where a triangle's corners stand in the world, less `from`.
+std::array<dvec3, 3> world_corners(const Scene& scene, uint32_t inst_id, uint32_t prim_id,
+                                   const dvec3& from) {
+    const Instance& instance = scene.instances[inst_id];
+    const Object& object = object_of(scene, instance);
+    std::array<dvec3, 3> corners;
+    for (int v = 0; v < 3; ++v) {
+        const vec3& p = object.positions[object.triangles[prim_id][v]];
+        corners[static_cast<size_t>(v)] = world_point(instance.world_from_object, p, from);
+    }
+    return corners;
+}
+
+/// The same in the frame, from the centre: right to 2^-51 of the frame's unit.
+std::array<dvec3, 3> corners_in_frame(const FlatGrid& flat, const Scene& scene, uint32_t inst_id,
+                                      uint32_t prim_id) {
+    std::array<dvec3, 3> corners = world_corners(scene, inst_id, prim_id, flat.frame.origin);
+    for (dvec3& p : corners) p = p * flat.frame.scale - flat.centre;
+    return corners;
+}
+
+struct WorldBox {
+    dvec3 lower{kInfinity};
+    dvec3 upper{-kInfinity};
+
+    void extend(const WorldBox& other) {
+        lower = glm::min(lower, other.lower);
+        upper = glm::max(upper, other.upper);
+    }
+};
+
+WorldBox world_box(const FlatGrid& flat, const Scene& scene) {
+    tbb::combinable<WorldBox> boxes;
+    for_each_triangle(flat, scene, [&](size_t, uint32_t inst_id, uint32_t prim_id) {
+        WorldBox& box = boxes.local();
+        for (const dvec3& p : world_corners(scene, inst_id, prim_id, dvec3(0.0))) {
+            box.extend({p, p});
+        }
+    });
+    WorldBox box;
+    boxes.combine_each([&](const WorldBox& part) { box.extend(part); });
+    return box;
+}
+
 /// Its origin is the float nearest to the middle of the scene. That may be far from there beside a
 /// small scene far out, and so the centre in the frame is what everything is counted from.
 void place_frame(FlatGrid& flat, const Scene& scene) {
-    dvec3 lower(kInfinity);
-    dvec3 upper(-kInfinity);
-    for (const Instance& instance : scene.instances) {
-        for (const vec3& p : object_of(scene, instance).positions) {
-            const dvec3 q = world_point(instance.world_from_object, p, dvec3(0.0));
-            lower = glm::min(lower, q);
-            upper = glm::max(upper, q);
-        }
-    }
-    const dvec3 middle = 0.5 * lower + 0.5 * upper;
-    const dvec3 extent = upper - lower;
+    const WorldBox box = world_box(flat, scene);
+    const dvec3 middle = 0.5 * box.lower + 0.5 * box.upper;
+    const dvec3 extent = box.upper - box.lower;
     flat.frame.origin = dvec3(vec3(middle));
     // Beyond this the numbers of a plain transform would leave the range of float.
     constexpr int kMostBinaryPlaces = 100;
@@ -68,67 +112,40 @@ void place_frame(FlatGrid& flat, const Scene& scene) {
     flat.centre = dvec3(vec3((middle - flat.frame.origin) * flat.frame.scale));
 }
 
-/// A point of an instance in the frame, from the centre: right to 2^-52 of the frame's unit.
-dvec3 in_frame(const FlatGrid& flat, const Instance& instance, const vec3& p) {
-    return world_point(instance.world_from_object, p, flat.frame.origin) * flat.frame.scale -
-           flat.centre;
-}
-
 /// The triangles in the frame, their corners rounded to floats: what the cells' lists are made of.
-/// A corner is within 1/2 of the centre, and so it moves by 2^-25 of the extent on each axis at
-/// most.
+/// A corner is within half the extent of the centre, and so it moves by 2^-25 of the extent at
+/// most, on each axis.
 Object mesh_in_frame(const FlatGrid& flat, const Scene& scene) {
     Object mesh;
-    mesh.name = scene.name;
+    mesh.name = "all instances";
+    mesh.positions.resize(3 * flat.first.back());
     mesh.triangles.resize(flat.first.back());
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-        const Instance& instance = scene.instances[i];
-        const Object& object = object_of(scene, instance);
-        const std::vector<uint32_t>& listed = flat.listed[instance.object];
-        const size_t first_vertex = mesh.positions.size();
-        mesh.positions.resize(first_vertex + object.positions.size());
-        for_each(object.positions.size(), [&](size_t k) {
-            mesh.positions[first_vertex + k] = vec3(in_frame(flat, instance, object.positions[k]));
-        });
-        for_each(listed.size(), [&](size_t k) {
-            mesh.triangles[flat.first[i] + k] =
-                object.triangles[listed[k]] + uvec3(static_cast<uint32_t>(first_vertex));
-        });
-    }
+    for_each_triangle(flat, scene, [&](size_t at, uint32_t inst_id, uint32_t prim_id) {
+        const std::array<dvec3, 3> p = corners_in_frame(flat, scene, inst_id, prim_id);
+        for (size_t v = 0; v < p.size(); ++v) mesh.positions[3 * at + v] = vec3(p[v]);
+        mesh.triangles[at] = static_cast<uint32_t>(3 * at) + uvec3(0, 1, 2);
+    });
     return mesh;
 }
 
-/// From the corners as they are, not as mesh_in_frame() rounds them: they are wrong by 2^-52, which
-/// moves a weight of rule_out.glsl by 2^-51 of the record's sums A + B. Its bound, 22 * 2^-24 of
-/// A + B + 1, has that in what it is rounded up by.
+/// From the corners as they are, not as mesh_in_frame() rounds them. That they are wrong by d =
+/// 2^-51 moves a weight, for points in the triangle or next to it, by less than 4 d of the record's
+/// sum A + B + 1: nothing beside 22 * 2^-24 of it, the bound of lib/triangle/rule_out.glsl.
 RawVector<float> pack_planes(const FlatGrid& flat, const Scene& scene) {
     RawVector<float> planes(kPlanesFloats * flat.first.back());
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-        const Instance& instance = scene.instances[i];
-        const Object& object = object_of(scene, instance);
-        const std::vector<uint32_t>& listed = flat.listed[instance.object];
-        for_each(listed.size(), [&](size_t k) {
-            std::array<dvec3, 3> p;
-            for (size_t v = 0; v < p.size(); ++v) {
-                const uint32_t corner = object.triangles[listed[k]][static_cast<int>(v)];
-                p[v] = in_frame(flat, instance, object.positions[corner]);
-            }
-            put_barycentric_planes(&planes[kPlanesFloats * (flat.first[i] + k)], p[0], p[1], p[2]);
-        });
-    }
+    for_each_triangle(flat, scene, [&](size_t at, uint32_t inst_id, uint32_t prim_id) {
+        const std::array<dvec3, 3> p = corners_in_frame(flat, scene, inst_id, prim_id);
+        put_barycentric_planes(&planes[kPlanesFloats * at], p[0], p[1], p[2]);
+    });
     return planes;
 }
 
 TextureData pack_names(const FlatGrid& flat, const Scene& scene, const TextureLimits& limits) {
     TextureData names = make_word_buffer("flat_names", "triangles", flat.first.back(), 2, limits);
-    for (size_t i = 0; i < scene.instances.size(); ++i) {
-        const std::vector<uint32_t>& listed = flat.listed[scene.instances[i].object];
-        for_each(listed.size(), [&](size_t k) {
-            uint32_t* const name = &names.words[2 * (flat.first[i] + k)];
-            name[0] = static_cast<uint32_t>(i);
-            name[1] = listed[k];
-        });
-    }
+    for_each_triangle(flat, scene, [&](size_t at, uint32_t inst_id, uint32_t prim_id) {
+        names.words[2 * at] = inst_id;
+        names.words[2 * at + 1] = prim_id;
+    });
     return names;
 }
 
@@ -191,10 +208,12 @@ void check_flat_grid_fits(const Scene& scene, const TextureLimits& limits, Buffe
     for (const Instance& instance : scene.instances) {
         triangles += object_of(scene, instance).triangles.size();
     }
-    const uint64_t most = std::min<uint64_t>(
-        kMoreReferences - 1, kind == BufferKind::block
-                                 ? limits.max_block / (kPlanesFloats * sizeof(float))
-                                 : limits.max_buffer / kPlanesTexels);
+    // While the grid is built, corners are numbered in 32 bits.
+    constexpr uint64_t kMostTriangles = (uint64_t{1} << 32) / 3;
+    const uint64_t most =
+        std::min<uint64_t>(kMostTriangles, kind == BufferKind::block
+                                               ? limits.max_block / (kPlanesFloats * sizeof(float))
+                                               : limits.max_buffer / kPlanesTexels);
     if (triangles > most) refuse(triangles, most);
 }
 

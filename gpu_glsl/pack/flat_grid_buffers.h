@@ -26,7 +26,7 @@ struct FlatGrid {
 };
 
 /// Cost:   as build_triangle_grid over the triangles of all instances, for which it also holds
-///         12 bytes a triangle and a vertex while it works.
+///         48 bytes a triangle while it works.
 /// Throws: as build_triangle_grid.
 FlatGrid build_flat_grid(const Scene& scene, const GridSizing& sizing);
 

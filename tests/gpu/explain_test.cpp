@@ -30,6 +30,14 @@ std::vector<Ray> rays_of_kind(const std::string& kind, const ScenePtr& scene, ui
     return make_ray_set(kind, *scene, *oracle, {.width = side, .height = side, .seed = 5}).rays;
 }
 
+/// A step is a cell; but a flat grid's are the world's, and each instance that is met in one has a
+/// step beside it.
+size_t cells_of(const RayWalk& walk, const std::string& tracer) {
+    if (!tracer.starts_with("flat_grid/")) return walk.steps.size();
+    return static_cast<size_t>(
+        std::ranges::count(walk.steps, kNoId, [](const WalkStep& step) { return step.inst_id; }));
+}
+
 TEST(Walk, of_every_twin_lists_what_its_counters_count) {
     const Catalogue catalogue = catalogue_of(nullptr);
     EXPECT_GE(twin_names(catalogue).size(), 6u);
@@ -49,7 +57,7 @@ TEST(Walk, of_every_twin_lists_what_its_counters_count) {
                 expect_same_bits({walk->hit}, {result.hits[i]}, name);
                 EXPECT_EQ(walk->flags, result.flags[i]);
                 EXPECT_EQ(walk->counters, result.counters[i]);
-                EXPECT_EQ(walk->steps.size(), result.counters[i].cells) << name;
+                EXPECT_EQ(cells_of(*walk, name), result.counters[i].cells) << name;
                 size_t tests = 0;
                 bool answer_accepted = false;
                 for (const WalkStep& step : walk->steps) {

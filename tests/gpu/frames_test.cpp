@@ -82,5 +82,34 @@ TEST(InstanceRows, hold_the_place_of_the_instance_and_the_origin_of_the_frame_as
     }
 }
 
+TEST(WorldPoint, keeps_its_digits_where_place_and_map_cancel) {
+    // Far corners, brought back by the place: what is left is down to 2^-70 of what it is made of.
+    std::mt19937 engine(7);
+    std::uniform_real_distribution<float> within(-1.0f, 1.0f);
+    double smallest = 1.0;
+    for (int i = 0; i < 1000; ++i) {
+        Affine m = random_map(engine, 0);
+        const vec3 p(std::exp2(30.0f * within(engine)), within(engine),
+                     std::exp2(30.0f * within(engine)));
+        const dvec3 rough = transform_point(DAffine(m), dvec3(p));
+        m[3] -= vec3(rough);
+        const dvec3 from(transform_point(DAffine(m), dvec3(p)) + 1e-12 * dvec3(within(engine)));
+        const dvec3 found = world_point(m, p, from);
+        for (int axis = 0; axis < 3; ++axis) {
+            Rational exact = Rational(m[3][axis]) - Rational(from[axis]);
+            double made_of = 0.0;
+            for (int k = 0; k < 3; ++k) {
+                exact += Rational(m[k][axis]) * Rational(p[k]);
+                made_of = std::max(made_of, std::abs(double{m[k][axis]} * p[k]));
+            }
+            const Rational error = abs(Rational(found[axis]) - exact);
+            const Rational bound = abs(exact) * Rational(0x1p-52) + Rational(made_of * 0x1p-100);
+            ASSERT_LE(error, bound) << i;
+            smallest = std::min(smallest, abs(exact).convert_to<double>() / made_of);
+        }
+    }
+    EXPECT_LT(smallest, 0x1p-55) << "something cancelled";
+}
+
 }  // namespace
 }  // namespace onepass::test
