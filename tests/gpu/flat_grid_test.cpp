@@ -54,6 +54,17 @@ Scene moved_by(Scene scene, const vec3& offset) {
     return scene;
 }
 
+/// Its ball stands far from its own origin, and the instances bring it back.
+Scene brought_back(Scene scene) {
+    const vec3 away(-3e4f, 1e4f, 2e4f);
+    for (vec3& p : scene.objects.front().positions) p += away;
+    for (Instance& instance : scene.instances) {
+        instance.world_from_object[3] -= transform_vector(instance.world_from_object, away);
+    }
+    scene.cameras = {automatic_camera(scene_bounds(scene))};
+    return scene;
+}
+
 /// Aimed at corners, from a few sizes of the ball away, from its inside and from afar.
 std::vector<Ray> rays_at_corners(const Scene& scene, size_t stride) {
     std::vector<Ray> rays;
@@ -134,6 +145,7 @@ TEST_F(FlatGridStrategy, answers_as_the_two_level_grid_does_wherever_instances_s
         {"far from each other", balls_at({here, turned, far})},
         {"of different sizes", balls_at({here, mirrored, tiny})},
         {"far from the origin", moved_by(balls_at({here, turned, mirrored}), vec3(-1e6f, 7e5f, 3))},
+        {"far from their object's origin", brought_back(balls_at({here, turned, mirrored}))},
         {"needles, pancakes and mirror images", *squeezed_balls()}};
     for (const auto& [what, made] : subjects) {
         const ScenePtr scene = share(made);
