@@ -13,21 +13,30 @@ struct HitRecord {
     uvec4 ids;       // prim_id, inst_id, flags
     uvec4 counters;  // cells, tests, references, rays
 };
-layout(std430, binding = 0) readonly buffer RayBuffer { RayRecord rays[]; };
+layout(std430, binding = 0) volatile readonly buffer RayBuffer { RayRecord rays[]; };
 layout(std430, binding = 1) writeonly buffer HitBuffer { HitRecord hits[]; };
 
 UNIFORM(int, ray_count)
 
-void main() {
+int ray_index() {
     // Groups are laid out in two dimensions, because one holds at most 65,535 of them.
-    int index = int((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) *
-                        gl_WorkGroupSize.x +
-                    gl_LocalInvocationID.x);
+    return int((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x +
+               gl_LocalInvocationID.x);
+}
+
+Ray read_ray() {
+    RayRecord record = rays[ray_index()];
+    return Ray(record.origin.xyz, record.origin.w, record.direction.xyz, record.direction.w);
+}
+
+// (strategies/grid.glsl) `volatile` above makes it a reading indeed.
+Ray ray_again(Ray ray) { return read_ray(); }
+
+void main() {
+    int index = ray_index();
     if (index >= ray_count) return;
-    RayRecord record = rays[index];
     reset_counters();
-    Hit hit = closest_hit(
-        Ray(record.origin.xyz, record.origin.w, record.direction.xyz, record.direction.w));
+    Hit hit = closest_hit(read_ray());
     hits[index] = HitRecord(vec4(hit.t, hit.u, hit.v, 0.0),
                             uvec4(hit.prim_id, hit.inst_id, ray_flags, 0u),
                             uvec4(cells_visited, triangle_tests, references_read, 1u));

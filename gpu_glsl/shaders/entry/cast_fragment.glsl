@@ -8,6 +8,8 @@ layout(location = 0) out vec4 out_hit;        // t, u, v
 layout(location = 1) out uvec4 out_ids;       // prim_id, inst_id, flags
 layout(location = 2) out uvec4 out_counters;  // cells, tests, references, rays
 
+Ray ray_again(Ray ray) { return ray; }  // (strategies/grid.glsl)
+
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
     vec4 origin = FETCH2D(ray_origins, at);

@@ -16,6 +16,9 @@
 #define CONSTANT(T, name)
 #define UNIFORM(T, name) uniform T name;
 
+// A function that a later file defines.
+#define DECLARE(function) function;
+
 // `#if NEEDS(name)` ... `#else` ... `#endif`, of a constant of type bool: who composes the text
 // leaves the other side out, so that a scene's shader does not even hold what the scene lacks. The
 // twin compiles the first side for all scenes, and so asks the constant itself as well.

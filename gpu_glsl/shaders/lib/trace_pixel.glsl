@@ -7,6 +7,9 @@
 #include "lib/query.glsl"
 #include "lib/shading.glsl"
 
+// (strategies/grid.glsl) A pixel's rays are nowhere but in registers.
+Ray ray_again(Ray ray) { return ray; }
+
 Pixel trace_pixel(ivec2 pixel) {
     Ray ray = primary_ray(pixel);
     Path path = begin_path();

@@ -59,13 +59,14 @@ struct Findings {
     uint other;    // another one
     float start;   // t of the ray where its course begins
     bool is_over;  // the walk went to its end
-    bool is_full;  // it stopped, because a third triangle was open, with so many cells left, biased,
-    vec3 left;     // ...
-    int at;        // ... and at this place of the cell's list
+    bool is_full;  // it stopped, because a third triangle was open, ...
+    int at;        // ... at this place of a cell's list
+    float t_exit;  // ... of a cell that the course leaves here
+    vec3 left;     // ... for one with so many cells left, biased
 };
 
 Findings no_findings() {
-    return Findings(kNoId, kNoId, kNoId, 0.0, false, false, vec3(0.0), 0);
+    return Findings(kNoId, kNoId, kNoId, 0.0, false, false, 0, 0.0, vec3(0.0, 0.0, 0.0));
 }
 
 // Walks through an instance's grid and tests its triangles, from where an earlier walk stopped, if it
@@ -74,6 +75,9 @@ Findings no_findings() {
 //
 // A hit is sure only if floats know its t to half of kWidth, and counts as known to kWidth: one bound then
 // says where what is behind it begins and, less twice that, where what is surely before it ends.
+//
+// It returns at its end only, and gives every variable a value before any branch: one that a branch
+// alone sets is kept, by compilers that cannot tell, in registers all round the loop that calls this.
 Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, double t_nearest,
                         uint found, Findings earlier) {
     const float kWidth = 6.103515625e-5;  // 2^-14, in sizes of the object
@@ -83,44 +87,50 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
     // triangle met twice gives the same t twice; the walk covers the part that was asked for.
     Course course = course_in(grid, to_walked_grid(inst_id, ray), ray.tmin, ray.tmax);
     now.start = course.start;
-    now.is_over = true;
+    now.found = found;
     // From here on t is that of the course.
     float begin = greater(t_along(course, double(t_first)), 0.0);
     float end = lesser(t_along(course, double(t_last)), course.leave);
-    if (!(begin <= end)) return now;
-    now.is_over = false;
-    now.found = found;
+    now.is_over = !(begin <= end);
     float behind = raised(t_along(course, min(t_nearest, double(ray.tmax))));
     Sight sight = sight_from(course.org, course.dir);
     Walk walk = begin_walk(grid, course, begin);
     uint octant = octant_shift(walk);
     end = min(end, smallest(walk.t_leave));
 
+    // The next cell's word is asked for before the triangles of the one at hand are tested.
     bool is_resumed = earlier.is_full;
     int at = earlier.at;
+    float t_exit = earlier.t_exit;
     if (is_resumed) walk.left = earlier.left;
-    for (int steps = step_budget(grid); steps > 0; --steps) {
+    bool goes_on = is_resumed ? t_exit < min(end, behind) : !now.is_over;
+    CELL cell = no_cell();
+    if (goes_on) cell = fetch_cell(grid, walk);
+    while (!now.is_over) {
         // On to the next full cell.
-        CELL cell = fetch_cell(grid, walk);
-        for (; steps > 0; --steps) {
+        if (!is_resumed) {
+            while (is_empty_cell(cell)) {
+                count_cell();
+                NOTE_CELL(inst_id, cell_of(grid, walk));
+                t_exit = leave_cells(walk, left_behind_empty(cell, walk, octant));
+                now.is_over = !(t_exit < min(end, behind));
+                if (now.is_over) break;
+                cell = fetch_cell(grid, walk);
+            }
+            if (now.is_over) break;
             count_cell();
             NOTE_CELL(inst_id, cell_of(grid, walk));
-            if (!is_empty_cell(cell)) break;
-            now.is_over = !leave_cells(walk, left_behind_empty(cell, walk, octant),
-                                       min(end, behind));
-            if (now.is_over) break;
-            cell = fetch_cell(grid, walk);
+            at = first_reference(cell);
+            t_exit = leave_cells(walk, left_behind_full(cell, walk));
+            if (t_exit < min(end, behind)) cell = fetch_cell(grid, walk);
         }
-        if (now.is_over || steps == 0) break;
+        is_resumed = false;
 
         // Its triangles. Which one is next is asked for before the one at hand is fetched; behind
         // the last list lies a word for that.
-        if (!is_resumed) at = first_reference(cell);
-        is_resumed = false;
         uint next = fetch_triangle_reference(at);
         bool is_in_list = true;
-        const int kMostReferences = 1 << 30;
-        for (int left = kMostReferences; left > 0; --left) {
+        for (;;) {
             uint reference = next;
             next = reference_word(at + 1);
             uint prim_id = referenced(reference);
@@ -157,11 +167,11 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
             ++at;
         }
         if (now.is_over || now.is_full || is_in_list) break;  // (or the driver ended the loop)
-        now.is_over = !leave_cells(walk, left_behind_full(cell, walk), min(end, behind));
-        if (now.is_over) break;
+        now.is_over = !(t_exit < min(end, behind));
     }
-    now.left = walk.left;
     now.at = at;
+    now.t_exit = t_exit;
+    now.left = walk.left;
     return now;
 }
 
@@ -193,6 +203,9 @@ bool decide_on(uint inst_id, Ray ray, float start, uint listed, INOUT(Nearest) n
     return is_taken;
 }
 
+// The ray once more, from where the entry has it: read again, it needs no registers meanwhile.
+DECLARE(Ray ray_again(Ray ray))
+
 // Finds the nearest hit on one instance, where the ray meets it in [t_first, t_last].
 //
 // Floats walk and test. They find out which triangle is hit first, but for some that are `open`: they
@@ -200,30 +213,34 @@ bool decide_on(uint inst_id, Ray ray, float start, uint listed, INOUT(Nearest) n
 // question. When the walk is over, or a third one would have to wait, doubles decide. (A walk that
 // decided on its way would pay for it at every test: a software renderer goes through both sides
 // of a branch, and a GPU keeps registers for both.)
+//
+// A GPU runs as many rays at once as their registers allow, so that the walk should keep nothing for
+// the decision, nor the decision for a walk that seldom goes on. Hence `anew`.
 void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nearest) nearest) {
     // (After each walk the nearest is made anew, so that a walk need not keep it.)
     Nearest before = nearest;
     double t_nearest = before.t;
     uint found = listed_as(before.hit, inst_id, kNoId);
     Findings findings = no_findings();
-    const int kMostRounds = 1 << 20;
-    for (int rounds = kMostRounds; rounds > 0; --rounds) {
-        findings = walk_in_floats(inst_id, ray, t_first, t_last, t_nearest, found, findings);
+    do {
+        uint again = anew(inst_id, uint(findings.at));
+        findings = walk_in_floats(again, ray, t_first, t_last, t_nearest, found, findings);
         nearest = before;
         uint asked = findings.found != kNoId ? findings.found : findings.open;
         uint next = findings.found != kNoId ? findings.open : findings.other;
         uint last = findings.found != kNoId ? findings.other : kNoId;
         uint taken = kNoId;
         while (asked != kNoId) {
-            if (decide_on(inst_id, ray, findings.start, asked, nearest)) taken = asked;
+            ray = ray_again(ray);
+            again = anew(inst_id, asked);
+            if (decide_on(again, ray, findings.start, asked, nearest)) taken = asked;
             asked = next;
             next = last;
             last = kNoId;
         }
-        if (!findings.is_full || is_enough(nearest)) break;
         t_nearest = nearest.t;
         found = listed_as(nearest.hit, inst_id, taken);
-    }
+    } while (findings.is_full && !is_enough(nearest));
     if (!findings.is_over && !is_enough(nearest)) ray_flags |= kFlagExhausted;
 }
 
@@ -276,7 +293,7 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
         if (is_in_list || is_over) break;  // over, or the driver ended the loop
         float edge = mix(biased(1u), empty_cube(cell, octant), is_empty_cell(cell));
         float bound = lesser(end, raised(t_along(course, nearest.t)));
-        is_over = !leave_cells(walk, left_behind_cube(walk, edge), bound);
+        is_over = !(leave_cells(walk, left_behind_cube(walk, edge)) < bound);
         if (is_over) break;
     }
     if (!is_over) ray_flags |= kFlagExhausted;
@@ -286,12 +303,13 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
 // ---- The whole ray -----------------------------------------------------------------------------
 
 Hit closest_hit(Ray ray) {
-    if (!is_traceable(ray)) return no_hit();
     Nearest nearest = Nearest(double(infinity()), no_hit());
-    if (!has_top_level) walk_instance(kWholeScene, ray, ray.tmin, ray.tmax, nearest);
+    if (is_traceable(ray)) {
+        if (!has_top_level) walk_instance(kWholeScene, ray, ray.tmin, ray.tmax, nearest);
 #if NEEDS(has_top_level)
-    if (has_top_level) walk_scene(ray, nearest);
+        if (has_top_level) walk_scene(ray, nearest);
 #endif
+    }
     if (is_hit(nearest.hit)) NOTE_HIT(nearest.hit);
     return nearest.hit;
 }

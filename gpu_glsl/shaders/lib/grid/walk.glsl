@@ -141,9 +141,9 @@ float left_beside(float t, float t_exit, float behind, float left, float t_leave
 // walk's cell.
 vec3 left_behind_cube(Walk walk, float edge) { return walk.left - vec3(edge); }
 
-// Leaves a box of cells, behind which so many are left. False if the ray ends in it: at t = end, which
-// is no later than where it leaves the grid.
-bool leave_cells(INOUT(Walk) walk, vec3 behind, float end) {
+// Leaves a box of cells, behind which so many are left, and says at which t. (One no smaller than that
+// where the ray leaves the grid is the end: there is no cell.)
+float leave_cells(INOUT(Walk) walk, vec3 behind) {
     vec3 t_exit = walk.t_leave - behind * walk.t_edge;
     float t = min(t_exit.x, min(t_exit.y, t_exit.z));
     walk.left = vec3(left_beside(t, t_exit.x, behind.x, walk.left.x, walk.t_leave.x,
@@ -152,7 +152,7 @@ bool leave_cells(INOUT(Walk) walk, vec3 behind, float end) {
                                  walk.cells_per_t.y),
                      left_beside(t, t_exit.z, behind.z, walk.left.z, walk.t_leave.z,
                                  walk.cells_per_t.z));
-    return t < end;
+    return t;
 }
 
 // The walk's cell, counted from the grid's lower corner.

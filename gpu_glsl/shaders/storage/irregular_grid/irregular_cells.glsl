@@ -13,6 +13,8 @@
 
 #define CELL uvec4
 
+CELL no_cell() { return uvec4(0u, 0u, 0u, 0u); }
+
 // From the top cell that holds the place down to the cell that answers for it. A word of 0, which
 // is what lanes that are switched off read, ends the loop.
 CELL fetch_cell(Grid grid, Walk walk) {

@@ -4,7 +4,7 @@
 //
 // What a walk asks of cells:
 //
-//   CELL fetch_cell(Grid, Walk)
+//   CELL fetch_cell(Grid, Walk), no_cell()
 //   bool is_empty_cell(CELL)
 //   int first_reference(CELL)      of a full one
 //   vec3 left_behind_empty(CELL, Walk, uint octant_shift), left_behind_full(CELL, Walk)
@@ -17,6 +17,8 @@
 CONSTANT(int, skip_empty)  // 0: cell by cell through empty space as well
 
 #define CELL uint
+
+CELL no_cell() { return kEmptyCell; }
 
 CELL fetch_cell(Grid grid, Walk walk) { return cell_word(cell_index(walk)); }
 
