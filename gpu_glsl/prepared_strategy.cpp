@@ -139,6 +139,18 @@ gl::ShaderConstant has_top_level(const PreparedStrategy& prepared) {
     return {"has_top_level", prepared.scene->instances.size() > 1 || !specialises(prepared.params)};
 }
 
+/// A constant of the shader that turns and scales rays for instances, or only shifts them.
+gl::ShaderConstant has_linear_maps(const PreparedStrategy& prepared) {
+    const Scene& scene = *prepared.scene;
+    const bool is_fixed = scene.animation.empty();
+    const bool all_are_shifted =
+        std::ranges::all_of(scene.instances, [](const Instance& instance) {
+            const Affine& map = instance.world_from_object;
+            return map[0] == vec3(1, 0, 0) && map[1] == vec3(0, 1, 0) && map[2] == vec3(0, 0, 1);
+        });
+    return {"has_linear_maps", !(is_fixed && all_are_shifted && specialises(prepared.params))};
+}
+
 /// What a frame needs, for one shader that serves scenes of every kind: it holds all that any of
 /// them needs, and learns of this one at run time.
 std::vector<gl::ShaderConstant> for_all_scenes(std::vector<gl::ShaderConstant> constants) {
@@ -263,6 +275,7 @@ void pack_grid_as(PreparedStrategy& prepared, const TextureLimits& limits, Buffe
     }
     add_packed(prepared, packed);
     prepared.param_constants.push_back(has_top_level(prepared));
+    prepared.param_constants.push_back(has_linear_maps(prepared));
 }
 
 void pack_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
@@ -340,6 +353,7 @@ void pack_irregular_grid(PreparedStrategy& prepared, const TextureLimits& limits
     }
     add_packed(prepared, packed);
     prepared.param_constants.push_back(has_top_level(prepared));
+    prepared.param_constants.push_back(has_linear_maps(prepared));
 }
 
 void pack_irregular_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
@@ -378,6 +392,7 @@ void pack_flat_grid(PreparedStrategy& prepared, const TextureLimits& limits, Buf
     prepared.stats = {{"build_ms", build_ms, "all threads"}, {"pack_ms", ms_since(start), ""}};
     add_packed(prepared, packed);
     prepared.param_constants.push_back({"has_top_level", false});
+    prepared.param_constants.push_back(has_linear_maps(prepared));
 }
 
 void pack_flat_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {

@@ -100,6 +100,21 @@ TEST_F(Specialise, what_a_scene_has_is_there_and_nothing_beside) {
     }
 }
 
+TEST_F(Specialise, rays_for_instances_that_are_only_shifted_meet_no_matrix) {
+    constexpr const char* kMatrix = "dvec3 row_x";
+    for (const char* tracer :
+         {"grid/buffer/compute", "irregular_grid/ssbo/fragment", "flat_grid/buffer/fragment"}) {
+        Scene scene = *ball_on_ground(false, false, 1);
+        EXPECT_FALSE(holds(frame_text(tracer, share(scene)), kMatrix)) << tracer;
+        EXPECT_TRUE(holds(frame_text(tracer, share(scene), kForAllScenes), kMatrix)) << tracer;
+        for (int column = 0; column < 3; ++column) {
+            Scene scaled = scene;
+            scaled.instances[1].world_from_object[column] *= 1.5f;
+            EXPECT_TRUE(holds(frame_text(tracer, share(scaled)), kMatrix)) << tracer;
+        }
+    }
+}
+
 TEST_F(Specialise, a_frame_is_the_same_as_by_the_shader_for_all_scenes_and_as_by_the_twin) {
     const Catalogue catalogue = catalogue_of(context);
     const RenderSettings settings{.width = 48, .height = 40};

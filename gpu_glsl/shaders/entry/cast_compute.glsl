@@ -1,8 +1,12 @@
 // Entry: given rays, one an invocation.
 #include "lib/ray.glsl"
 
-// A group of one warp: on an H100 (driver 580) 64 invocations halve the rate of rays.
-layout(local_size_x = 32) in;
+// A group of one warp, where a strategy asks for no other. (On an H100, driver 580, 64 invocations
+// halve the rate of those whose text needs more registers than compilers then give.)
+#ifndef GROUP_SIZE
+#define GROUP_SIZE 32
+#endif
+layout(local_size_x = GROUP_SIZE) in;
 
 struct RayRecord {
     vec4 origin;     // org, tmin

@@ -30,6 +30,10 @@
 #include "lib/triangle/decide_in_floats.glsl"
 #include "lib/triangle/rule_out.glsl"
 
+// Invocations of a group that casts rays (entry/cast_compute.glsl): with two warps the compiler of an H100
+// (driver 580) settles for fewer registers, and more warps run.
+#define GROUP_SIZE 64
+
 CONSTANT(bool, has_top_level)  // false: one instance, and no grid over it
 CONSTANT(int, decide)
 const int kInFloats = 1;  // of decide
@@ -231,15 +235,19 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
         uint last = findings.found != kNoId ? findings.other : kNoId;
         uint taken = kNoId;
         while (asked != kNoId) {
-            ray = ray_again(ray);
             again = anew(inst_id, asked);
-            if (decide_on(again, ray, findings.start, asked, nearest)) taken = asked;
+            if (decide_on(again, ray_again(ray), findings.start, asked, nearest)) taken = asked;
             asked = next;
             next = last;
             last = kNoId;
         }
         t_nearest = nearest.t;
         found = listed_as(nearest.hit, inst_id, taken);
+        ray = ray_again(ray);
+        if (!has_top_level) {
+            t_first = ray.tmin;
+            t_last = ray.tmax;
+        }
     } while (findings.is_full && !is_enough(nearest));
     if (!findings.is_over && !is_enough(nearest)) ray_flags |= kFlagExhausted;
 }

@@ -106,6 +106,7 @@ int fetch_grid_of_instance(uint inst_id) {
 // The ray in the frame of the instance's grid. The place of the instance is taken off first, which
 // is exact in doubles but for the smallest parts of far places, so that neither a large translation
 // nor a cancelling rotation loses any.
+#if NEEDS(has_linear_maps)
 LocalRay to_instance(uint inst_id, Ray ray) {
     int at = int(inst_id) * kInstanceRowTexels;
     vec4 x = FETCHBUFFER(instance_rows, at);
@@ -123,6 +124,18 @@ LocalRay to_instance(uint inst_id, Ray ray) {
     return LocalRay(dvec3(sharp_dot(row_x, from), sharp_dot(row_y, from), sharp_dot(row_z, from)) - origin,
                     dvec3(sharp_dot(row_x, dir), sharp_dot(row_y, dir), sharp_dot(row_z, dir)));
 }
+#else
+// Where no instance is turned or scaled, M is a power of two.
+LocalRay to_instance(uint inst_id, Ray ray) {
+    int at = int(inst_id) * kInstanceRowTexels;
+    vec4 x = FETCHBUFFER(instance_rows, at);
+    vec3 place = vec3(x.w, FETCHBUFFER(instance_rows, at + 1).w, FETCHBUFFER(instance_rows, at + 2).w);
+    vec3 origin = vec3(FETCHBUFFER(instance_rows, at + 3).w, FETCHBUFFER(instance_rows, at + 4).w,
+                       FETCHBUFFER(instance_rows, at + 5).w);
+    double scale = double(x.x);
+    return LocalRay((dvec3(ray.org) - dvec3(place)) * scale - dvec3(origin), dvec3(ray.dir) * scale);
+}
+#endif
 
 #if NEEDS(has_top_level)
 #include "storage/two_level_grid/top_buffers.glsl"
