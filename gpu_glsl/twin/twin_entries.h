@@ -46,7 +46,7 @@ void note_cell(RayWalk& walk, uint32_t inst_id, const Vec& cell) {
 inline void note_test(RayWalk& walk, uint32_t inst_id, uint32_t prim_id) {
     ONEPASS_CHECK(!walk.steps.empty());
     if (walk.steps.back().inst_id != inst_id) {
-        // A cell of a flat grid, the world's: each instance that is met there gets a step of its own.
+        // A flat grid's cell, of the world: each instance that is met there gets a step.
         walk.steps.push_back({inst_id, ivec3(walk.steps.back().cell), {}});
     }
     walk.steps.back().tests.push_back({prim_id});

@@ -1,10 +1,10 @@
 // What one walk goes through where there is one level only: a grid over the triangles of all
 // instances, as they stand in the world.
 //
-// Cells, lists and planes are the flat grid's, and say which triangles a ray may hit. Whether it does is
-// for doubles to say, in the frame of the triangle's instance and on the object's own vertices, all of
-// which is as in storage/two_level_grid/grid_buffers.glsl: so no hit rests on a corner that was rounded
-// on its way into the world.
+// Cells, lists and planes are the flat grid's, and say which triangles a ray may hit. Whether it
+// does is for doubles to say, in the frame of the triangle's instance and on the object's own
+// vertices, all of which is as in storage/two_level_grid/grid_buffers.glsl: so no hit rests on a
+// corner that was rounded on its way into the world.
 #pragma once
 #include "storage/two_level_grid/grid_buffers.glsl"
 #include "storage/two_level_grid/uniform_cells.glsl"

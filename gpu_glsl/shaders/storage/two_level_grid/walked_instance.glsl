@@ -14,8 +14,8 @@ LocalRay to_walked_grid(uint inst_id, Ray ray) { return to_instance(inst_id, ray
 // What the scene calls a triangle of the walk's lists.
 Name named(uint inst_id, uint listed) { return Name(inst_id, listed); }
 
-// What the lists call the nearest hit; kNoId if it is not in them. `taken`: the one of those just asked
-// that it is, or kNoId.
+// What the lists call the nearest hit; kNoId if it is not in them. `taken`: the one of those just
+// asked that it is, or kNoId.
 uint listed_as(Hit nearest, uint inst_id, uint taken) {
     return nearest.inst_id == inst_id ? nearest.prim_id : kNoId;
 }
