@@ -133,8 +133,7 @@ void walk_instance(uint inst_id, Ray ray, INOUT(Nearest) nearest) {
             Weights weights = weights_of(planes, course.sight);
             if (!may_cross(weights, course.sight)) continue;
             Crossing crossing = crossing_of(planes, weights, course.sight);
-            if (crossing.t - crossing.error <= bound * course.length_of_t &&
-                crossing.t + crossing.error >= 0.0) {
+            if (may_be_within(crossing, bound * course.length_of_t)) {
                 count_reference();
                 decide(sharp, sharp_start, fetch_triangle(slot), inst_id, fetch_primitive(slot), ray, nearest);
                 bound = bound_from(start, ray, nearest);

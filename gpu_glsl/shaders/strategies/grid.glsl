@@ -145,8 +145,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
             Weights weights = weights_of(planes, sight);
             if (may_cross(weights, sight)) {
                 Crossing crossing = crossing_of(planes, weights, sight);
-                bool is_hit = crossing.t - crossing.error <= behind &&
-                              crossing.t + crossing.error >= 0.0 && prim_id != now.found &&
+                bool is_hit = may_be_within(crossing, behind) && prim_id != now.found &&
                               prim_id != now.open && prim_id != now.other;
                 bool is_clear = crossing.is_sure && crossing.error <= 0.5 * kWidth &&
                                 crossing.t + crossing.error < behind - 2.0 * kWidth &&

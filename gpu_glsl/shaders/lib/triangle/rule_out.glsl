@@ -17,15 +17,18 @@
 struct Sight {
     vec3 org;
     vec3 dir;
-    float reach;  // at least 1, and at least twice the origin's largest coordinate
+    float doubt;  // a weight of corners is wrong by less than this
 };
 
+const float kRecordHalfUlp = 5.9604644775390625e-8;  // 2^-24
+
+// (Here, because some compilers take nothing out of loops.)
 Sight sight_from(vec3 org, vec3 dir) {
-    return Sight(org, dir, greater(1.0, 2.0 * largest(abs(org))));
+    float reach = greater(1.0, 2.0 * largest(abs(org)));
+    return Sight(org, dir, (22.0 * kRecordHalfUlp) * reach);
 }
 
 // The record of pack/barycentric_planes.h: floats, in the twin of doubles as well.
-const float kRecordHalfUlp = 5.9604644775390625e-8;  // 2^-24
 struct Planes {
     vec4 face;    // dot(xyz, p) = w on the triangle's plane
     vec4 first;   // dot(xyz, p) + w: the weight of the second corner
@@ -35,8 +38,9 @@ struct Planes {
 // Where a ray crosses a triangle, from the sight's origin on.
 struct Crossing {
     float t;
-    float error;   // t is wrong by less than this
-    bool is_sure;  // false if it may be nowhere
+    float error;    // t is wrong by less than this
+    bool is_known;  // false: t may be anything, whatever `error` says
+    bool is_sure;   // false: it may be nowhere
 };
 
 // The weights of the corners where the ray meets the triangle's plane, times det; it is there at
@@ -63,9 +67,6 @@ Weights weights_of(Planes planes, Sight sight) {
     return Weights(det - v - w, v, w, det, dist);
 }
 
-// What a weight may be wrong by.
-float doubt_of(Sight sight) { return (22.0 * kRecordHalfUlp) * sight.reach; }
-
 // False if the ray misses the triangle.
 //
 // The bounds, with u = 2^-24 (the record is of floats, whatever the arithmetic), A and B the sums of
@@ -76,22 +77,32 @@ float doubt_of(Sight sight) { return (22.0 * kRecordHalfUlp) * sight.reach; }
 // origin outside the box raises all errors alike. (If computed weights are all beyond 22 u, the
 // point is in the triangle or next to it, and the bound holds as well.) t is off by less than
 // 12 u c (1 + |t|) / |det|, if |det| is more than 48 u c; if not, t may be anything.
+//
+// (Comparisons and no min() or max(): each of those costs a software renderer three instructions, for
+// the sake of NaN.)
 bool may_cross(Weights weights, Sight sight) {
-    float least = min(weights.u, min(weights.v, weights.w));
-    float most = max(weights.u, max(weights.v, weights.w));
-    return min(-least, most) <= doubt_of(sight);
+    float doubt = sight.doubt;
+    bool has_negative = weights.u < -doubt || weights.v < -doubt || weights.w < -doubt;
+    bool has_positive = weights.u > doubt || weights.v > doubt || weights.w > doubt;
+    return !(has_negative && has_positive);
 }
 
 // Of a ray that may: where. Few do, and so the division waits until it is known.
 Crossing crossing_of(Planes planes, Weights weights, Sight sight) {
+    const float kShare = 0.5455;  // 12/22, rounded up: of the doubt that counts for t
     vec4 face = planes.face;
-    float det = weights.det;
-    float error = (12.0 * kRecordHalfUlp) * sight.reach * (abs(face.x) + abs(face.y) + abs(face.z));
-    bool is_steep = abs(det) > 4.0 * error;
-    float inverse = 1.0 / det;
-    float t = mix(0.0, weights.dist * inverse, is_steep);
-    error = mix(infinity(), error * (1.0 + abs(t)) * abs(inverse), is_steep);
-    float least = min(weights.u, min(weights.v, weights.w));
-    float most = max(weights.u, max(weights.v, weights.w));
-    return Crossing(t, error, max(least, -most) > doubt_of(sight) && !has_sign(face.w));
+    float inverse = 1.0 / weights.det;
+    float t = weights.dist * inverse;
+    float error_at_0 = kShare * sight.doubt * (abs(face.x) + abs(face.y) + abs(face.z)) * abs(inverse);
+    float doubt = sight.doubt;
+    bool are_negative = weights.u < -doubt && weights.v < -doubt && weights.w < -doubt;
+    bool are_positive = weights.u > doubt && weights.v > doubt && weights.w > doubt;
+    return Crossing(t, error_at_0 * (1.0 + abs(t)), error_at_0 < 0.25,
+                    (are_negative || are_positive) && !has_sign(face.w));
+}
+
+// Whether a crossing may be at t = 0 to `end`.
+bool may_be_within(Crossing crossing, float end) {
+    bool is_within = crossing.t - crossing.error <= end && crossing.t + crossing.error >= 0.0;
+    return is_within || !crossing.is_known;
 }
