@@ -77,15 +77,11 @@ dvec3 frame_origin(const Bounds& bounds) {
 
 GridFrame object_frame(const Bounds& bounds) {
     GridFrame frame{.origin = frame_origin(bounds)};
-    const dvec3 lower = dvec3(bounds.lower) - frame.origin;
-    const dvec3 upper = dvec3(bounds.upper) - frame.origin;
-    const dvec3 size = glm::max(upper - lower, glm::max(glm::abs(lower), glm::abs(upper)));
-    // (Bounds are padded by 2^-20 on each side: a power of two is not to count as the next.)
-    constexpr double kSlack = 0x1p-18;
-    const double largest = std::max({size.x, size.y, size.z}) * (1.0 - kSlack);
+    const dvec3 size = glm::max(glm::abs(dvec3(bounds.lower) - frame.origin),
+                                glm::abs(dvec3(bounds.upper) - frame.origin));
     // Beyond this the numbers of a plain transform would leave the range of float.
     constexpr int kMostBinaryPlaces = 100;
-    const int exponent = std::ilogb(largest) + 1;
+    const int exponent = std::ilogb(std::max({size.x, size.y, size.z})) + 1;
     frame.scale = std::ldexp(1.0, -std::clamp(exponent, -kMostBinaryPlaces, kMostBinaryPlaces));
     return frame;
 }

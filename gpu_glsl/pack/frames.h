@@ -18,8 +18,7 @@ struct GridFrame {
 /// twice its extent.
 dvec3 frame_origin(const Bounds& bounds);
 
-/// The largest coordinate or edge of the box becomes 1/2 to 1 + 2^-18, so that areas and volumes neither
-/// overflow nor vanish, and no corner is farther than 1/2 from the centre (pack/barycentric_planes.h).
+/// The largest coordinate becomes 1/2 to 1, so that areas and volumes neither overflow nor vanish.
 /// `bounds` must not be flat (core/grid/sizing.h: padded_bounds).
 GridFrame object_frame(const Bounds& bounds);
 

@@ -40,27 +40,6 @@ Affine random_map(std::mt19937& engine, int flatness) {
     return m;
 }
 
-TEST(ObjectFrame, holds_a_box_of_edges_of_at_most_1_wherever_it_lies) {
-    const std::vector<Bounds> boxes = {{vec3(-1, -0.9f, -0.3f), vec3(1, 0.9f, 0.3f)},
-                                       {vec3(-0.99f), vec3(0.99f)},
-                                       {vec3(-0.5000001f), vec3(0.5000001f)},
-                                       {vec3(-1e-3f, -5, 0), vec3(7, 5, 1e-3f)},
-                                       {vec3(1000, -2, 0), vec3(1003, 2, 1)},
-                                       {vec3(0.1f), vec3(0.9f)},
-                                       {vec3(-3e9f), vec3(-1e-9f)}};
-    for (const Bounds& box : boxes) {
-        const GridFrame frame = object_frame(box);
-        const dvec3 lower = (dvec3(box.lower) - frame.origin) * frame.scale;
-        const dvec3 upper = (dvec3(box.upper) - frame.origin) * frame.scale;
-        const dvec3 size = glm::max(upper - lower, glm::max(glm::abs(lower), glm::abs(upper)));
-        const double largest = std::max({size.x, size.y, size.z});
-        EXPECT_LE(largest, 1.0 + 0x1p-18) << box.lower.x;
-        EXPECT_GE(largest, 0.5 * (1.0 - 0x1p-18)) << box.lower.x;
-        EXPECT_EQ(std::ldexp(1.0, std::ilogb(frame.scale)), frame.scale);
-    }
-    EXPECT_EQ(object_frame(boxes[2]).scale, 1.0);
-}
-
 TEST(InstanceRows, are_the_inverse_to_48_digits_however_flat_the_map) {
     // The pair of floats rounds to 2^-48 of the number, and the number itself is right to 2^-51.
     const Rational tolerance = Rational(1, uint64_t{1} << 48) + Rational(1, uint64_t{1} << 51);

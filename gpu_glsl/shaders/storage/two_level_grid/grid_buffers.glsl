@@ -14,8 +14,8 @@
 // All that belongs to a grid is stored in the grid's frame, so that an object far from the origin,
 // or of any size, is as precise as one of size 1 around it. The frame's origin is at a corner of
 // the object, on those axes where taking that corner off is exact, and else stays where it was; the
-// frame of an object's grid is scaled by the power of two that makes its largest coordinate or edge
-// 1/2 to 1. Both are exact: no vertex is ever moved.
+// frame of an object's grid is scaled by the power of two that makes its largest coordinate 1/2 to
+// 1. Both are exact: no vertex is ever moved.
 #pragma once
 #include "lib/dialect.glsl"
 #include "lib/ray.glsl"
