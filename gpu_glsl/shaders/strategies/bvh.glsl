@@ -92,7 +92,7 @@ Course course_of(uint inst_id, LocalRay local, Ray ray, float t_last) {
     double length = length_scale(local);
     course.length_of_t = float(length);
     org = vec3(entering.org - dvec3(box.centre));
-    course.sight = sight_from(org, vec3(local.dir * inverse_of_power(length)));
+    course.sight = sight_from(org, vec3(local.dir * inverse_of_power(length)), box.upper - box.centre);
     return course;
 }
 

@@ -30,9 +30,17 @@
 #include "lib/triangle/decide_in_floats.glsl"
 #include "lib/triangle/rule_out.glsl"
 
-// Invocations of a group that casts rays (entry/cast_compute.glsl): with two warps the compiler of an H100
-// (driver 580) settles for fewer registers, and more warps run.
+// Invocations of a group that casts rays (entry/cast_compute.glsl). The compiler of an H100 (driver 580)
+// settles for fewer registers if there are two warps: more of them run, and the longer texts spill.
+#if NEEDS(has_top_level)
+#define GROUP_SIZE 32
+#else
+#if NEEDS(has_linear_maps)
+#define GROUP_SIZE 32
+#else
 #define GROUP_SIZE 64
+#endif
+#endif
 
 CONSTANT(bool, has_top_level)  // false: one instance, and no grid over it
 CONSTANT(int, decide)
@@ -97,7 +105,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
     float end = lesser(t_along(course, double(t_last)), course.leave);
     now.is_over = !(begin <= end);
     float behind = raised(t_along(course, min(t_nearest, double(ray.tmax))));
-    Sight sight = sight_from(course.org, course.dir);
+    Sight sight = sight_from(course.org, course.dir, grid.upper);
     Walk walk = begin_walk(grid, course, begin);
     uint octant = octant_shift(walk);
     end = min(end, smallest(walk.t_leave));
@@ -187,7 +195,7 @@ bool decide_on(uint inst_id, Ray ray, float start, uint listed, INOUT(Nearest) n
     if (decide == kInFloats) {
         Grid grid = fetch_walked_grid(inst_id);
         Course course = course_in(grid, to_walked_grid(inst_id, ray), ray.tmin, ray.tmax);
-        sharp = blunt_hit(sight_from(course.org, course.dir), fetch_planes(grid, listed));
+        sharp = blunt_hit(sight_from(course.org, course.dir, grid.upper), fetch_planes(grid, listed));
         t = double(start) + sharp.t * inverse_of_power(course.length_of_t);
     } else {
         Grid grid = fetch_grid(fetch_grid_of_instance(name.inst_id));

@@ -21,12 +21,11 @@ struct SharpHit {
     float v;
 };
 
-// A corner across and along the ray, and how large the numbers were that x and y were made of: to
-// 2^-23 of it, as a float that takes half the registers.
+// A corner across and along the ray, and how large the numbers were that x and y were made of.
 struct SharpCorner {
     dvec3 at;
-    float x_of;
-    float y_of;
+    double x_of;
+    double y_of;
 };
 
 int largest_axis(dvec3 v) {
@@ -44,8 +43,8 @@ SharpCorner sharp_corner(dvec3 org, double slope_x, double slope_y, int axis, ve
     p = turned(p, axis);
     double x = p.x - slope_x * p.z;
     double y = p.y - slope_y * p.z;
-    return SharpCorner(dvec3(x, y, p.z), float(abs(p.x) + abs(slope_x * p.z)),
-                       float(abs(p.y) + abs(slope_y * p.z)));
+    return SharpCorner(dvec3(x, y, p.z), abs(p.x) + abs(slope_x * p.z),
+                       abs(p.y) + abs(slope_y * p.z));
 }
 
 // Twice the area that the ray's point makes with an edge; 0 where it is no larger than it can be
@@ -55,21 +54,18 @@ SharpCorner sharp_corner(dvec3 org, double slope_x, double slope_y, int axis, ve
 double sharp_edge(SharpCorner from, SharpCorner to) {
     const double kDoubt = double(1.7763568394002505e-15);  // 2^-49: 16 u
     double w = to.at.x * from.at.y - to.at.y * from.at.x;
-    double made_of = (abs(to.at.x) * double(from.y_of) + double(to.x_of) * abs(from.at.y)) +
-                     (abs(to.at.y) * double(from.x_of) + double(to.y_of) * abs(from.at.x));
+    double made_of = (abs(to.at.x) * from.y_of + to.x_of * abs(from.at.y)) +
+                     (abs(to.at.y) * from.x_of + to.y_of * abs(from.at.x));
     return abs(w) <= kDoubt * made_of ? double(0.0) : w;
 }
 
 // Whether a coordinate of three corners is 0 somewhere between them, within the 8 u that each can be
 // wrong. Nearly edge-on, two edges may count as on the ray that only their common corner is near:
 // this keeps such a triangle to its own extent.
-bool may_span(double a, float a_of, double b, float b_of, double c, float c_of) {
+bool may_span(double a, double a_of, double b, double b_of, double c, double c_of) {
     const double kError = double(8.8817841970012523e-16);  // 2^-50: 8 u
-    double a_by = kError * double(a_of);
-    double b_by = kError * double(b_of);
-    double c_by = kError * double(c_of);
-    bool is_below = a <= a_by || b <= b_by || c <= c_by;
-    bool is_above = a >= -a_by || b >= -b_by || c >= -c_by;
+    bool is_below = a <= kError * a_of || b <= kError * b_of || c <= kError * c_of;
+    bool is_above = a >= -kError * a_of || b >= -kError * b_of || c >= -kError * c_of;
     return is_below && is_above;
 }
 

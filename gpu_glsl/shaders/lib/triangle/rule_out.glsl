@@ -11,9 +11,8 @@
 #include "lib/math.glsl"
 #include "lib/ray.glsl"
 
-// A ray made ready for testing triangles. Its origin is counted from the centre of a box of edges of at
-// most 1 around them, its direction's largest component is 1/2 to 1, and its t is a length there,
-// from its own origin on.
+// A ray made ready for testing triangles. Its origin is counted from the centre of a box around them,
+// its direction's largest component is 1/2 to 1, and its t is a length there, from its own origin on.
 struct Sight {
     vec3 org;
     vec3 dir;
@@ -22,9 +21,10 @@ struct Sight {
 
 const float kRecordHalfUlp = 5.9604644775390625e-8;  // 2^-24
 
-// (Here, because some compilers take nothing out of loops.)
-Sight sight_from(vec3 org, vec3 dir) {
-    float reach = greater(1.0, 2.0 * largest(abs(org)));
+// `half_box`: half of the box's edges. (The doubt is made here, because some compilers take nothing
+// out of loops.)
+Sight sight_from(vec3 org, vec3 dir, vec3 half_box) {
+    float reach = greater(1.0, 2.0 * largest(greater(abs(org), half_box)));
     return Sight(org, dir, (22.0 * kRecordHalfUlp) * reach);
 }
 
@@ -40,7 +40,7 @@ struct Crossing {
     float t;
     float error;    // t is wrong by less than this
     bool is_known;  // false: t may be anything, whatever `error` says
-    bool is_sure;   // false: it may be nowhere
+    bool is_sure;   // false: it may be nowhere, or t is not known
 };
 
 // The weights of the corners where the ray meets the triangle's plane, times det; it is there at
@@ -73,8 +73,9 @@ Weights weights_of(Planes planes, Sight sight) {
 // the absolute components of `first` and `second`, and c = 1 / (A + B + 1) that of `face`. From the
 // rounding of record and ray, and of each operation, products and sums apart: det is off by 5 u c and
 // dist by 5 u c; for a point in the triangle, the point times det by 11 u c, and a weight times det
-// by (18.5 A + 10) u c; the third, det without the other two, by less than 22 u, whatever A and B. An
-// origin outside the box raises all errors alike. (If computed weights are all beyond 22 u, the
+// by (18.5 A + 10) u c; the third, det without the other two, by less than 22 u, whatever A and B.
+// This is so for coordinates of at most 1/2; larger ones, of the box or of the ray's origin, raise all
+// errors by no more than they are larger. (If computed weights are all beyond 22 u, the
 // point is in the triangle or next to it, and the bound holds as well.) t is off by less than
 // 12 u c (1 + |t|) / |det|, if |det| is more than 48 u c; if not, t may be anything.
 //
@@ -87,18 +88,20 @@ bool may_cross(Weights weights, Sight sight) {
     return !(has_negative && has_positive);
 }
 
-// Of a ray that may: where. Few do, and so the division waits until it is known.
+// Of a ray that may: where. Few do, and so the division waits until it is known. (Where t is not known,
+// it and its error may be no numbers, of which drivers keep no rules: nothing rests on them.)
 Crossing crossing_of(Planes planes, Weights weights, Sight sight) {
     const float kShare = 0.5455;  // 12/22, rounded up: of the doubt that counts for t
     vec4 face = planes.face;
+    float doubt = sight.doubt;
+    float error_of_det = kShare * doubt * (abs(face.x) + abs(face.y) + abs(face.z));
+    bool is_known = abs(weights.det) > 4.0 * error_of_det;
     float inverse = 1.0 / weights.det;
     float t = weights.dist * inverse;
-    float error_at_0 = kShare * sight.doubt * (abs(face.x) + abs(face.y) + abs(face.z)) * abs(inverse);
-    float doubt = sight.doubt;
     bool are_negative = weights.u < -doubt && weights.v < -doubt && weights.w < -doubt;
     bool are_positive = weights.u > doubt && weights.v > doubt && weights.w > doubt;
-    return Crossing(t, error_at_0 * (1.0 + abs(t)), error_at_0 < 0.25,
-                    (are_negative || are_positive) && !has_sign(face.w));
+    bool is_sure = is_known && (are_negative || are_positive) && !has_sign(face.w);
+    return Crossing(t, error_of_det * (1.0 + abs(t)) * abs(inverse), is_known, is_sure);
 }
 
 // Whether a crossing may be at t = 0 to `end`.
