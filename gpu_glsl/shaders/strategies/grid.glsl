@@ -158,19 +158,18 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
                 bool is_clear = crossing.is_sure && crossing.error <= 0.5 * kWidth &&
                                 crossing.t + crossing.error < behind - 2.0 * kWidth &&
                                 crossing.t - crossing.error > 0.0;
-                if (is_hit) {
-                    if (is_clear) {
-                        now.found = prim_id;
-                        behind = crossing.t + kWidth;
-                        now.is_over = any_hit_suffices;
-                    } else if (now.open == kNoId) {
-                        now.open = prim_id;
-                    } else if (now.other == kNoId) {
-                        now.other = prim_id;
-                    } else {
-                        now.is_full = true;
-                    }
-                    if (now.is_over || now.is_full) break;
+                bool is_open = is_hit && !is_clear;
+                if (is_hit && is_clear) {
+                    now.found = prim_id;
+                    behind = crossing.t + kWidth;
+                    now.is_over = any_hit_suffices;
+                }
+                if (is_open && now.other == kNoId) {
+                    now.other = now.open;
+                    now.open = prim_id;
+                } else if (is_open) {
+                    now.at = now.is_full ? now.at : at;
+                    now.is_full = true;
                 }
             }
             if (!is_in_list) break;
@@ -180,7 +179,6 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
         if (now.is_over || now.is_full || is_in_list) break;  // (or the driver ended the loop)
         now.is_over = !(t_exit < min(end, behind));
     }
-    now.at = at;
     now.t_exit = t_exit;
     now.left = walk.left;
     return now;
