@@ -16,8 +16,21 @@
 namespace onepass {
 namespace {
 
-constexpr uint32_t kTileWidth = 8;
-constexpr uint32_t kTileHeight = 4;
+/// A tile is what 32 rays of a GPU see together, and its parts what 8 of a CPU's vector do: each as
+/// nearly square as may be.
+constexpr uvec2 kTile = {8, 4};
+constexpr uvec2 kTilePart = {4, 2};
+
+/// Calls `visit` with the corners of each of the blocks, `size` a side, that an area from `lower`
+/// to before `upper` consists of, row by row. Blocks cut off by its border are smaller.
+template <class Visit>
+void for_each_block(const uvec2& lower, const uvec2& upper, const uvec2& size, const Visit& visit) {
+    for (uint32_t y = lower.y; y < upper.y; y += size.y) {
+        for (uint32_t x = lower.x; x < upper.x; x += size.x) {
+            visit(uvec2(x, y), glm::min(uvec2(x, y) + size, upper));
+        }
+    }
+}
 
 RaySet primary_rays(const Scene& scene, const RayRequest& request, bool tiled) {
     if (request.camera >= scene.cameras.size()) {
@@ -193,19 +206,21 @@ const std::vector<RayKind>& ray_kinds() {
 }
 
 std::vector<uint32_t> pixel_order(uint32_t width, uint32_t height, bool tiled) {
-    const uint32_t tile_width = tiled ? kTileWidth : width;
-    const uint32_t tile_height = tiled ? kTileHeight : height;
+    const uvec2 whole(width, height);
     std::vector<uint32_t> order;
     order.reserve(size_t{width} * height);
-    for (uint32_t top = 0; top < height; top += tile_height) {
-        for (uint32_t left = 0; left < width; left += tile_width) {
-            for (uint32_t y = top; y < std::min(top + tile_height, height); ++y) {
-                for (uint32_t x = left; x < std::min(left + tile_width, width); ++x) {
-                    order.push_back(x + width * y);
-                }
-            }
-        }
+    const auto add_pixels = [&](const uvec2& lower, const uvec2& upper) {
+        for_each_block(lower, upper, uvec2(1), [&](const uvec2& at, const uvec2&) {
+            order.push_back(at.x + width * at.y);
+        });
+    };
+    if (!tiled) {
+        add_pixels(uvec2(0), whole);
+        return order;
     }
+    for_each_block(uvec2(0), whole, kTile, [&](const uvec2& lower, const uvec2& upper) {
+        for_each_block(lower, upper, kTilePart, add_pixels);
+    });
     return order;
 }
 

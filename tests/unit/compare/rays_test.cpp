@@ -46,14 +46,27 @@ FakeTracer square_tracer() {
     return tracer;
 }
 
-TEST(PixelOrder, walks_tiles_of_eight_by_four) {
+TEST(PixelOrder, walks_tiles_of_eight_by_four_in_parts_of_four_by_two) {
     const auto order = pixel_order(16, 8, true);
     ASSERT_EQ(order.size(), 128u);
     EXPECT_EQ(order[0], 0u);
-    EXPECT_EQ(order[7], 7u);
-    EXPECT_EQ(order[8], 16u) << "the tile's second row";
+    EXPECT_EQ(order[3], 3u);
+    EXPECT_EQ(order[4], 16u) << "the part's second row";
+    EXPECT_EQ(order[8], 4u) << "the second part";
+    EXPECT_EQ(order[16], 32u) << "the second row of parts";
     EXPECT_EQ(order[32], 8u) << "the second tile";
     EXPECT_EQ(order[64], 64u) << "the second row of tiles";
+}
+
+TEST(PixelOrder, keeps_the_8_rays_of_a_part_together) {
+    const uint32_t width = 64, height = 32;
+    const auto order = pixel_order(width, height, true);
+    for (size_t first = 0; first < order.size(); first += 8) {
+        for (size_t ray = first; ray < first + 8; ++ray) {
+            EXPECT_EQ(order[ray] % width / 4, order[first] % width / 4) << "ray " << ray;
+            EXPECT_EQ(order[ray] / width / 2, order[first] / width / 2) << "ray " << ray;
+        }
+    }
 }
 
 TEST(PixelOrder, keeps_the_32_rays_of_a_tile_together) {
