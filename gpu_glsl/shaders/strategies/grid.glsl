@@ -72,7 +72,7 @@ struct Findings {
     float start;   // t of the ray where its course begins
     bool is_over;  // the walk went to its end
     bool is_full;  // it stopped, because a third triangle was open, ...
-    int at;        // ... at this place of a cell's list
+    int at;        // ... at this place of the list
     float t_exit;  // ... of a cell that the course leaves here
     vec3 left;     // ... for one with so many cells left, biased
 };
@@ -138,8 +138,9 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
         }
         is_resumed = false;
 
-        // Its triangles. Which one is next is asked for before the one at hand is fetched; behind
-        // the last list lies a word for that.
+        // Its triangles, to the end of the list whatever they turn out to be: a CPU, which guesses at
+        // the loop's end, then learns early whether it was right. Which one is next is asked for before
+        // the one at hand is fetched; behind the last list lies a word for that.
         uint next = fetch_triangle_reference(at);
         bool is_in_list = true;
         for (;;) {
@@ -158,18 +159,17 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
                 bool is_clear = crossing.is_sure && crossing.error <= 0.5 * kWidth &&
                                 crossing.t + crossing.error < behind - 2.0 * kWidth &&
                                 crossing.t - crossing.error > 0.0;
-                bool is_open = is_hit && !is_clear;
                 if (is_hit && is_clear) {
                     now.found = prim_id;
                     behind = crossing.t + kWidth;
                     now.is_over = any_hit_suffices;
                 }
-                if (is_open && now.other == kNoId) {
-                    now.other = now.open;
-                    now.open = prim_id;
-                } else if (is_open) {
-                    now.at = now.is_full ? now.at : at;
-                    now.is_full = true;
+                if (is_hit && !is_clear) {
+                    bool has_room = now.other == kNoId;
+                    now.at = has_room || now.is_full ? now.at : at;
+                    now.is_full = now.is_full || !has_room;
+                    now.other = has_room ? now.open : now.other;
+                    now.open = has_room ? prim_id : now.open;
                 }
             }
             if (!is_in_list) break;
