@@ -138,12 +138,14 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
         }
         is_resumed = false;
 
-        // Its triangles, to the end of the list whatever they turn out to be: a CPU, which guesses at
-        // the loop's end, then learns early whether it was right. Which one is next is asked for before
-        // the one at hand is fetched; behind the last list lies a word for that.
+        // Its triangles. A hit that answers the ray does not end this loop, and a third open triangle
+        // only a turn later: a CPU, which guesses at the loop's end, then learns early whether it was
+        // right. Which one is next is asked for before the one at hand is fetched; behind the last list
+        // lies a word for that.
         uint next = fetch_triangle_reference(at);
         bool is_in_list = true;
         for (;;) {
+            if (now.is_full) break;
             uint reference = next;
             next = reference_word(at + 1);
             uint prim_id = referenced(reference);
