@@ -3,8 +3,23 @@
 namespace onepass {
 namespace {
 
-/// Width of the textures that rays and hits lie in.
+/// Width of the textures that rays and hits lie in: tiles of 8 x 4 texels, and in them parts of
+/// 4 x 2. Fragments next to each other run together (8 on a CPU, those of a part; on a GPU those of
+/// a tile, more or less), so rays that follow each other lie in a tile, and 8 of them in a part.
 constexpr uint32_t kRayTextureWidth = 1024;
+constexpr size_t kTileRays = 32;
+constexpr size_t kPartRays = 8;
+constexpr size_t kTilesARow = kRayTextureWidth / 8;
+
+/// The texel where a ray lies, and its hit.
+size_t texel_of_ray(size_t ray) {
+    const size_t tile = ray / kTileRays;
+    const size_t part = ray % kTileRays / kPartRays;
+    const size_t lane = ray % kPartRays;
+    const size_t x = 8 * (tile % kTilesARow) + 4 * (part % 2) + lane % 4;
+    const size_t y = 4 * (tile / kTilesARow) + 2 * (part / 2) + lane / 4;
+    return x + kRayTextureWidth * y;
+}
 
 /// A ray that no structure answers: it ends before it begins. Fills the last row of a chunk.
 constexpr Ray kPaddingRay{.org = vec3(0.0f), .tmin = 0.0f, .dir = vec3(0, 0, 1), .tmax = -1.0f};
@@ -53,13 +68,15 @@ ChunkOnDevice upload_to_textures(std::span<const Ray> rays) {
     ChunkOnDevice chunk;
     chunk.count = rays.size();
     chunk.width = kRayTextureWidth;
-    chunk.height = static_cast<uint32_t>((rays.size() + kRayTextureWidth - 1) / kRayTextureWidth);
+    constexpr size_t kRowRays = kTileRays * kTilesARow;
+    chunk.height = static_cast<uint32_t>(4 * ((rays.size() + kRowRays - 1) / kRowRays));
     const size_t texels = size_t{chunk.width} * chunk.height;
     std::vector<vec4> origins(texels, vec4(kPaddingRay.org, kPaddingRay.tmin));
     std::vector<vec4> directions(texels, vec4(kPaddingRay.dir, kPaddingRay.tmax));
     for (size_t i = 0; i < rays.size(); ++i) {
-        origins[i] = vec4(rays[i].org, rays[i].tmin);
-        directions[i] = vec4(rays[i].dir, rays[i].tmax);
+        const size_t at = texel_of_ray(i);
+        origins[at] = vec4(rays[i].org, rays[i].tmin);
+        directions[at] = vec4(rays[i].dir, rays[i].tmax);
     }
     chunk.origins =
         gl::texture_2d("ray_origins", gl::TexelFormat::rgba32f, chunk.width, chunk.height, origins);
@@ -81,14 +98,15 @@ uint64_t append_hits(const gl::Framebuffer& answers, size_t count, bool counters
     const std::vector<uint32_t> ids = gl::read_uints(answers.target(1));
     uint64_t sum = 0;
     for (size_t i = 0; i < count; ++i) {
-        result.hits.push_back(make_hit(&hits[4 * i], &ids[4 * i]));
-        result.flags.push_back(ids[4 * i + 2]);
-        sum += ids[4 * i + 3];
+        const size_t at = 4 * texel_of_ray(i);
+        result.hits.push_back(make_hit(&hits[at], &ids[at]));
+        result.flags.push_back(ids[at + 2]);
+        sum += ids[at + 3];
     }
     if (!counters) return sum;
     const std::vector<uint32_t> counts = gl::read_uints(answers.target(2));
     for (size_t i = 0; i < count; ++i) {
-        result.counters.push_back(make_counters(&counts[4 * i]));
+        result.counters.push_back(make_counters(&counts[4 * texel_of_ray(i)]));
     }
     return sum;
 }

@@ -1,4 +1,4 @@
-// Entry: given rays, one a fragment. Ray k is the texel (k mod width, k div width) of two textures.
+// Entry: given rays, one a fragment, each a texel of two textures (device_io.cpp: texel_of_ray).
 #include "lib/ray.glsl"
 
 TEXTURE2D(ray_origins)     // org, tmin
