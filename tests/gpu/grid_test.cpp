@@ -465,6 +465,41 @@ TEST_F(GridStrategy, a_surface_seen_flatly_hides_none_that_is_about_as_far_away)
     }
 }
 
+TEST_F(GridStrategy, a_surface_that_floats_see_exactly_edge_on_is_hit_where_doubles_see_it) {
+    // A triangle in the plane x + z = 0, in a map that shears z by a little of x: the ray's slope to
+    // the plane is that little, of which floats keep nothing. To them t is 0 / 0.
+    for (const int places : {26, 30, 36, 42}) {
+        const float little = std::ldexp(1.0f, -places);
+        Scene scene;
+        scene.name = "edge-on";
+        scene.objects.resize(1);
+        Object& object = scene.objects[0];
+        object.positions = {vec3(1, -1, -1), vec3(-1, -1, 1), vec3(0, 2, 0)};
+        object.triangles = {uvec3(0, 1, 2)};
+        object.groups = {{"all", 0, 1}};
+        scene.materials.resize(1);
+        Affine shear = affine_identity();
+        shear[0].z = little;
+        scene.instances = {{"sheared", 0, shear, {0}}};
+        validate(scene);
+        const ScenePtr shared = share(std::move(scene));
+        std::vector<Ray> rays;
+        for (int i = 0; i < 32; ++i) {
+            const float height = -1.5f + 0.125f * static_cast<float>(i);
+            for (const float way : {0.25f, 1.5f}) {
+                const vec3 dir(-1, 0, 1);
+                rays.push_back({vec3(0, height, 0) - way * dir, 0.0f, dir, kInfinity});
+            }
+        }
+        for (const char* entry :
+             {"grid/buffer/twin32", "grid/buffer/fragment", "bvh/buffer/compute"}) {
+            const auto tracer = make(entry, shared);
+            expect_no_error(*tracer, shared, rays, fmt::format("{}, 2^-{}", entry, places));
+            EXPECT_GT(hit_count(cast(*tracer, rays).hits), rays.size() / 2) << entry;
+        }
+    }
+}
+
 TEST_F(GridStrategy, a_hit_at_the_very_end_of_the_interval_is_decided_exactly) {
     const ScenePtr scene = ball_at(vec3(5.0f, 3.0f, -2.0f), 1.0f);
     const auto tracer = make("grid/buffer/twin32", scene);
