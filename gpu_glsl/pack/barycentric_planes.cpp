@@ -70,7 +70,8 @@ void put_barycentric_planes(float* out, const dvec3& v0, const dvec3& v1, const 
     put(out, scale * normal, std::abs(scale * dot(normal, t.a)));
     put(out + 4, first, -dot(first, t.a));
     put(out + 8, second, -dot(second, t.a));
-    if (is_thin) out[3] = -out[3];
+    // Turned the other way round, it is the same plane, and the sign of d tells.
+    for (int k = 0; is_thin && k < 4; ++k) out[k] = -out[k];
 }
 
 }  // namespace onepass

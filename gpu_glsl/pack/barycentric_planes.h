@@ -12,7 +12,7 @@ namespace onepass {
 /// `face` is scaled so that its |n| is 1 / (|m1| + |m2| + 1), in sums of absolute components, for
 /// then one bound on rounding serves all triangles; and turned so that d >= 0. A triangle too thin
 /// for planes (area below 2^-20 of its longest edge squared) gets those of a wider one around it,
-/// with the sign bit of d set: rays near it may hit it, none surely does. Corners: from
+/// turned so that d has its sign bit set: rays near it may hit it, none surely does. Corners: from
 /// the centre of their box, of edges of at most 2. Source: after Havel & Herout 2010.
 void put_barycentric_planes(float* out, const dvec3& v0, const dvec3& v1, const dvec3& v2);
 

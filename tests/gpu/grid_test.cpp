@@ -500,6 +500,68 @@ TEST_F(GridStrategy, a_surface_that_floats_see_exactly_edge_on_is_hit_where_doub
     }
 }
 
+TEST_F(GridStrategy, a_triangle_thin_in_its_object_is_hit_where_an_instance_widens_it) {
+    // Of height 2^-20 in the object and of 1 in the world, in planes beside the middle of the object.
+    const float height = 0x1p-20f;
+    Scene scene;
+    scene.name = "thin";
+    scene.objects.resize(1);
+    Object& object = scene.objects[0];
+    for (const float z : {-1.0f, 0.5f}) {
+        for (const vec3& p : {vec3(-1, -height, z), vec3(1, -height, z), vec3(0, height, z)}) {
+            object.positions.push_back(p);
+        }
+    }
+    object.triangles = {uvec3(0, 1, 2), uvec3(3, 4, 5)};
+    object.groups = {{"all", 0, 2}};
+    scene.materials.resize(1);
+    Affine widen = affine_identity();
+    widen[1].y = 0x1p20f;
+    scene.instances = {{"widened", 0, widen, {0}}};
+    validate(scene);
+    const ScenePtr shared = share(std::move(scene));
+    std::mt19937 engine(3);
+    std::uniform_real_distribution<float> within(-1.0f, 1.0f);
+    const auto vector = [&] {
+        const float x = within(engine);
+        const float y = within(engine);
+        return vec3(x, y, within(engine));
+    };
+    std::vector<Ray> rays;
+    for (int i = 0; i < 200; ++i) {
+        const vec3 target = vec3(0.0f, 0.1f, 0.5f) + vec3(0.3f, 0.3f, 0.0f) * vector();
+        const vec3 org = vec3(0, 0, 2.0f) + vector();
+        rays.push_back({org, 0.0f, target - org, 1.5f});
+    }
+    for (const char* entry : {"grid/buffer/twin32", "grid/buffer/fragment", "bvh/buffer/compute",
+                              "irregular_grid/buffer/compute", "flat_grid/buffer/compute"}) {
+        const auto tracer = make(entry, shared);
+        expect_no_error(*tracer, shared, rays, entry);
+        EXPECT_EQ(hit_count(cast(*tracer, rays).hits), rays.size()) << entry;
+    }
+}
+
+TEST_F(GridStrategy, a_ray_from_farther_than_floats_hold_in_the_object_misses) {
+    Scene scene = *ball_at(vec3(0.0f), 1.0f);
+    for (vec3& p : scene.objects[0].positions) p *= 1e-12f;
+    validate(scene);
+    const ScenePtr shared = share(std::move(scene));
+    std::vector<Ray> rays;
+    for (const float away : {1e27f, 1e30f, 1e36f}) {
+        for (int axis = 0; axis < 3; ++axis) {
+            vec3 org(0.0f);
+            org[axis] = -away;
+            rays.push_back({org, 0.0f, -org, kInfinity});
+            rays.push_back({org, 0.0f, glm::normalize(-org), kInfinity});
+        }
+    }
+    for (const char* entry : {"grid/buffer/twin32", "grid/buffer/compute", "grid/buffer/fragment"}) {
+        const CastResult result = cast(*make(entry, shared), rays);
+        EXPECT_EQ(hit_count(result.hits), 0u) << entry;
+        for (const uint32_t flags : result.flags) EXPECT_EQ(flags, 0u) << entry;
+    }
+}
+
 TEST_F(GridStrategy, a_hit_at_the_very_end_of_the_interval_is_decided_exactly) {
     const ScenePtr scene = ball_at(vec3(5.0f, 3.0f, -2.0f), 1.0f);
     const auto tracer = make("grid/buffer/twin32", scene);

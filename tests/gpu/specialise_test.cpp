@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "scenes/motions.h"
 #include "scenes/shapes.h"
 #include "tests/support/judged.h"
 #include "tests/support/strategy_fixture.h"
@@ -112,6 +113,9 @@ TEST_F(Specialise, rays_for_instances_that_are_only_shifted_meet_no_matrix) {
             scaled.instances[1].world_from_object[column] *= 1.5f;
             EXPECT_TRUE(holds(frame_text(tracer, share(scaled)), kMatrix)) << tracer;
         }
+        if (std::string(tracer).starts_with("flat_grid")) continue;  // where nothing moves
+        scene.animation = make_swarm(2, 1).animation;
+        EXPECT_TRUE(holds(frame_text(tracer, share(scene)), kMatrix)) << tracer << ", moving";
     }
 }
 

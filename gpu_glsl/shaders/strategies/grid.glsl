@@ -103,7 +103,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
     // From here on t is that of the course.
     float begin = greater(t_along(course, double(t_first)), 0.0);
     float end = lesser(t_along(course, double(t_last)), course.leave);
-    now.is_over = !(begin <= end);
+    now.is_over = course.leave < 0.0 || !(begin <= end);
     float behind = raised(t_along(course, min(t_nearest, double(ray.tmax))));
     Sight sight = sight_from(course.org, course.dir, grid.upper);
     Walk walk = begin_walk(grid, course, begin);
@@ -168,8 +168,8 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
                 }
                 if (is_hit && !is_clear) {
                     bool has_room = now.other == kNoId;
-                    now.at = has_room || now.is_full ? now.at : at;
-                    now.is_full = now.is_full || !has_room;
+                    now.at = has_room ? now.at : at;
+                    now.is_full = !has_room;
                     now.other = has_room ? now.open : now.other;
                     now.open = has_room ? prim_id : now.open;
                 }

@@ -78,6 +78,9 @@ Course course_in(Grid grid, LocalRay ray, float t_first, float t_last) {
     course.org = vec3(moved(centred, course.start).org);
     course.leave = lesser(t_along(course, double(t_last)),
                           span.leave - float(double(course.start) * course.length_of_t));
+    // A ray from so far away that floats do not hold it misses. (Nor would a walk along numbers that are
+    // none be sure to end.)
+    course.leave = mix(course.leave, -1.0, !is_finite(course.org));
     return course;
 }
 
