@@ -103,12 +103,7 @@ void place_frame(FlatGrid& flat, const Scene& scene) {
     const dvec3 middle = 0.5 * box.lower + 0.5 * box.upper;
     const dvec3 extent = box.upper - box.lower;
     flat.frame.origin = dvec3(vec3(middle));
-    // Beyond this the numbers of a plain transform would leave the range of float.
-    constexpr int kMostBinaryPlaces = 100;
-    const double largest = std::max({extent.x, extent.y, extent.z});
-    const int exponent = largest > 0.0 ? std::ilogb(largest) + 1 : -kMostBinaryPlaces;
-    flat.frame.scale =
-        std::ldexp(1.0, -std::clamp(exponent, -kMostBinaryPlaces, kMostBinaryPlaces));
+    flat.frame.scale = frame_scale(std::max({extent.x, extent.y, extent.z}));
     flat.centre = dvec3(vec3((middle - flat.frame.origin) * flat.frame.scale));
 }
 

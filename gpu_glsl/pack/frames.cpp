@@ -75,14 +75,18 @@ dvec3 frame_origin(const Bounds& bounds) {
     return origin;
 }
 
+double frame_scale(double largest) {
+    // Beyond this the numbers of a plain transform would leave the range of float.
+    constexpr int kMostBinaryPlaces = 100;
+    const int exponent = largest > 0.0 ? std::ilogb(largest) + 1 : -kMostBinaryPlaces;
+    return std::ldexp(1.0, -std::clamp(exponent, -kMostBinaryPlaces, kMostBinaryPlaces));
+}
+
 GridFrame object_frame(const Bounds& bounds) {
     GridFrame frame{.origin = frame_origin(bounds)};
     const dvec3 size = glm::max(glm::abs(dvec3(bounds.lower) - frame.origin),
                                 glm::abs(dvec3(bounds.upper) - frame.origin));
-    // Beyond this the numbers of a plain transform would leave the range of float.
-    constexpr int kMostBinaryPlaces = 100;
-    const int exponent = std::ilogb(std::max({size.x, size.y, size.z})) + 1;
-    frame.scale = std::ldexp(1.0, -std::clamp(exponent, -kMostBinaryPlaces, kMostBinaryPlaces));
+    frame.scale = frame_scale(std::max({size.x, size.y, size.z}));
     return frame;
 }
 
