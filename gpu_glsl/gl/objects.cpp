@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <limits>
 
 #include <fmt/format.h>
@@ -90,10 +91,16 @@ Handle make_texture(GLenum target) {
     return Handle(id, [](GLuint texture) { glDeleteTextures(1, &texture); });
 }
 
-Handle make_buffer(size_t bytes, const void* data) {
+/// Bound to GL_COPY_WRITE_BUFFER.
+Handle generate_buffer() {
     GLuint id = 0;
     glGenBuffers(1, &id);
     glBindBuffer(GL_COPY_WRITE_BUFFER, id);
+    return Handle(id, [](GLuint buffer) { glDeleteBuffers(1, &buffer); });
+}
+
+Handle make_buffer(size_t bytes, const void* data) {
+    Handle made = generate_buffer();
     const auto size = static_cast<GLsizeiptr>(bytes);
     if (GLAD_GL_VERSION_4_4) {
         // A buffer that drivers cannot move: else one that is read back may end up in host memory.
@@ -101,7 +108,28 @@ Handle make_buffer(size_t bytes, const void* data) {
     } else {
         glBufferData(GL_COPY_WRITE_BUFFER, size, data, GL_STATIC_DRAW);
     }
-    return Handle(id, [](GLuint buffer) { glDeleteBuffers(1, &buffer); });
+    return made;
+}
+
+/// A buffer for what is written once and read everywhere. A large one is sparse where drivers have
+/// that, with memory behind all of it: NVIDIA's lays such buffers in larger pages than ordinary
+/// ones, so that a GPU seldom has to ask where a page lies (gpu_glsl/README.md, "What a GPU is
+/// bound by").
+Handle make_table(size_t bytes, const void* data) {
+    constexpr size_t kLeastSparse = size_t{1} << 20;
+    if (!GLAD_GL_ARB_sparse_buffer || bytes < kLeastSparse) return make_buffer(bytes, data);
+    Handle table = generate_buffer();
+    glBufferStorage(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr,
+                    GL_SPARSE_STORAGE_BIT_ARB | GL_DYNAMIC_STORAGE_BIT);
+    // In pieces, of whole pages: NVIDIA's driver takes seconds over a gibibyte at once.
+    constexpr size_t kPiece = size_t{1} << 26;
+    for (size_t at = 0; at < bytes; at += kPiece) {
+        const auto from = static_cast<GLintptr>(at);
+        const auto size = static_cast<GLsizeiptr>(std::min(kPiece, bytes - at));
+        glBufferPageCommitmentARB(GL_COPY_WRITE_BUFFER, from, size, GL_TRUE);
+        glBufferSubData(GL_COPY_WRITE_BUFFER, from, size, static_cast<const std::byte*>(data) + at);
+    }
+    return table;
 }
 
 void set_sampling(GLenum target) {
@@ -275,7 +303,7 @@ Texture texture_buffer(std::string name, TexelFormat format, const Texels& texel
     // Upload.
     const glm::uvec3 size(static_cast<uint32_t>(texel_count), 1, 1);
     Texture texture(std::move(name), GL_TEXTURE_BUFFER, format, size);
-    texture.storage_ = make_buffer(texture.bytes(), texels.data);
+    texture.storage_ = make_table(texture.bytes(), texels.data);
     texture.id_ = make_texture(GL_TEXTURE_BUFFER);
     glTexBuffer(GL_TEXTURE_BUFFER, info.internal_format, texture.storage_.id());
     check_gl(fmt::format("uploading {} ({} bytes)", what, texture.bytes()));
