@@ -18,8 +18,8 @@ struct GridFrame {
 /// twice its extent.
 dvec3 frame_origin(const Bounds& bounds);
 
-/// The power of two that takes a length to 1/2 to 1; for lengths below 2^-100 or above 2^100, and for
-/// 0, the one that takes those.
+/// The power of two that takes a length to 1/2 to 1; for lengths below 2^-100 or above 2^100, and
+/// for 0, the one that takes those.
 double frame_scale(double largest);
 
 /// The largest coordinate becomes 1/2 to 1, so that areas and volumes neither overflow nor vanish.

@@ -145,7 +145,7 @@ TopLevelMove MovingTopBuffers::plan(std::span<const Affine> world_from_object) c
         {"references", static_cast<double>(object_references_ + top.references.size()), ""});
 
     ShaderInputs inputs =
-        pack_top_buffers(*scene_, world_from_object, std::move(top), frames_, limits_);
+        pack_top_buffers(*scene_, world_from_object, moved.boxes, std::move(top), frames_, limits_);
     for (const TextureData& texture : inputs.textures) {
         move.stats.push_back({texture.name + "_bytes", static_cast<double>(texture.bytes()), ""});
     }

@@ -210,6 +210,21 @@ TextureData pack_instance_rows(const Scene& scene, std::span<const Affine> world
                            BufferKind::texture);
 }
 
+/// `origin`: of the top level's frame. Rounding to floats moves a corner by half an ulp of the top
+/// level's extent, 1/32 of the pad at 1,024 cells an axis.
+TextureData pack_instance_boxes(std::span<const Bounds> boxes, const dvec3& origin,
+                                const dvec3& top_cell, const TextureLimits& limits) {
+    TextureData packed =
+        make_float_buffer("instance_boxes", "instances", boxes.size() * kInstanceBoxTexels, limits);
+    const dvec3 pad = kBinningPad * top_cell;
+    for (size_t i = 0; i < boxes.size(); ++i) {
+        float* const out = &packed.texels[4 * kInstanceBoxTexels * i];
+        put(out, dvec3(boxes[i].lower) - origin - pad);
+        put(out + 4, dvec3(boxes[i].upper) - origin + pad);
+    }
+    return packed;
+}
+
 TextureData pack_instance_grids(const Scene& scene, const TextureLimits& limits) {
     TextureData grids =
         make_word_buffer("instance_grids", "instances", scene.instances.size(), 1, limits);
@@ -227,8 +242,8 @@ void grid_to_words(UniformGrid& grid, uint64_t first_reference) {
 }
 
 ShaderInputs pack_top_buffers(const Scene& scene, std::span<const Affine> world_from_object,
-                              UniformGrid top, std::span<const GridFrame> frames,
-                              const TextureLimits& limits) {
+                              std::span<const Bounds> boxes, UniformGrid top,
+                              std::span<const GridFrame> frames, const TextureLimits& limits) {
     grid_to_words(top, 0);
     TextureData cells = word_buffer_of("top_cells", "cells", std::move(top.cell_begin), limits,
                                        BufferKind::texture);
@@ -240,6 +255,7 @@ ShaderInputs pack_top_buffers(const Scene& scene, std::span<const Affine> world_
     inputs.textures.push_back(std::move(references));
     inputs.textures.push_back(pack_instance_rows(scene, world_from_object, frames, limits));
     const dvec3 origin = frame_origin(top.bounds);
+    inputs.textures.push_back(pack_instance_boxes(boxes, origin, top.cell_size(), limits));
     inputs.uniforms = {{"top_frame", vec3(origin)},
                        {"top_lower", vec3(dvec3(top.bounds.lower) - origin)},
                        {"top_upper", vec3(dvec3(top.bounds.upper) - origin)},
@@ -300,8 +316,8 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
     add(pack_grid_frames(grids, limits));
     add(pack_grid_numbers(grids, first_cell, first_triangle, limits));
     add(pack_instance_grids(scene, limits));
-    packed.inputs.append(
-        pack_top_buffers(scene, world_from_object, std::move(grid.top), packed.frames, limits));
+    packed.inputs.append(pack_top_buffers(scene, world_from_object, instance_bounds(scene),
+                                          std::move(grid.top), packed.frames, limits));
     for (const TextureData& texture : packed.inputs.textures) {
         packed.stats.push_back({texture.name + "_bytes", static_cast<double>(texture.bytes()), ""});
     }

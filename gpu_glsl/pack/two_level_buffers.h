@@ -38,9 +38,10 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
 void grid_to_words(UniformGrid& grid, uint64_t first_reference);
 
 /// The part that changes when instances move: buffers of the top level and of the instances, and
-/// uniforms. Cost: O(instances + top-level cells and references). Throws: as above.
+/// uniforms. `boxes`: of the instances in the world, those that `top` was built over.
+/// Cost: O(instances + top-level cells and references). Throws: as above.
 ShaderInputs pack_top_buffers(const Scene& scene, std::span<const Affine> world_from_object,
-                              UniformGrid top, std::span<const GridFrame> frames,
-                              const TextureLimits& limits);
+                              std::span<const Bounds> boxes, UniformGrid top,
+                              std::span<const GridFrame> frames, const TextureLimits& limits);
 
 }  // namespace onepass

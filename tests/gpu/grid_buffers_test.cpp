@@ -99,6 +99,43 @@ TEST(GridBuffers, hold_each_cells_list_and_its_end) {
     }
 }
 
+TEST(GridBuffers, hold_boxes_a_pad_wider_than_the_instances_exact_places) {
+    Scene scene = scene_of({make_box(4, 3, 5), make_sphere(30, 20)});
+    scene.instances[0].world_from_object =
+        Affine({0.6f, 0.8f, 0}, {-0.8f, 0.6f, 0}, {0, 0, 1}, {1e4f, 0.1f, -3e4f});
+    scene.instances[1].world_from_object =
+        Affine({-1, 0, 0}, {0.5f, 1, 0}, {0, 0, 3}, {1e4f, 7, -3e4f});
+    const TwoLevelGrid grid = build_two_level_grid(scene, {.top = {.resolution = uvec3(5, 6, 7)}});
+    const dvec3 cell = grid.top.cell_size();
+    const TwoLevelBuffers buffers =
+        pack_two_level_buffers(scene, grid, kLimits, BufferKind::texture);
+    const auto& texels = buffers.inputs.texture("instance_boxes").texels;
+    ASSERT_EQ(texels.size(), 4 * kInstanceBoxTexels * scene.instances.size());
+    const auto& uniforms = buffers.inputs.uniforms;
+    const auto frame = std::ranges::find(uniforms, "top_frame", &UniformData::name);
+    ASSERT_NE(frame, uniforms.end());
+    const vec3 origin = std::get<vec3>(frame->value);
+    for (size_t i = 0; i < scene.instances.size(); ++i) {
+        const Instance& instance = scene.instances[i];
+        const DAffine m(instance.world_from_object);
+        const float* const box = &texels[4 * kInstanceBoxTexels * i];
+        for (int axis = 0; axis < 3; ++axis) {
+            double least = kInfinity;
+            double most = -kInfinity;
+            for (const vec3& p : scene.objects[instance.object].positions) {
+                const double at = transform_point(m, dvec3(p))[axis] - double{origin[axis]};
+                least = std::min(least, at);
+                most = std::max(most, at);
+            }
+            // (The box itself may be wider: it is that of the object's box, an ulp larger.)
+            const double pad = cell[axis] / kListPadsACell;
+            EXPECT_LT(box[axis], least - 0.99 * pad) << i;
+            EXPECT_GT(box[4 + axis], most + 0.99 * pad) << i;
+            EXPECT_GT(box[axis], least - pad - 0.5 * (most - least)) << i;
+        }
+    }
+}
+
 TEST(GridBuffers, take_at_their_peak_no_more_than_64_bytes_a_triangle_16_a_reference_8_a_cell) {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     GTEST_SKIP() << "a sanitizer's memory counts too";

@@ -466,8 +466,8 @@ TEST_F(GridStrategy, a_surface_seen_flatly_hides_none_that_is_about_as_far_away)
 }
 
 TEST_F(GridStrategy, a_surface_that_floats_see_exactly_edge_on_is_hit_where_doubles_see_it) {
-    // A triangle in the plane x + z = 0, in a map that shears z by a little of x: the ray's slope to
-    // the plane is that little, of which floats keep nothing. To them t is 0 / 0.
+    // A triangle in the plane x + z = 0, in a map that shears z by a little of x: the ray's slope
+    // to the plane is that little, of which floats keep nothing. To them t is 0 / 0.
     for (const int places : {26, 30, 36, 42}) {
         const float little = std::ldexp(1.0f, -places);
         Scene scene;
@@ -501,7 +501,8 @@ TEST_F(GridStrategy, a_surface_that_floats_see_exactly_edge_on_is_hit_where_doub
 }
 
 TEST_F(GridStrategy, a_triangle_thin_in_its_object_is_hit_where_an_instance_widens_it) {
-    // Of height 2^-20 in the object and of 1 in the world, in planes beside the middle of the object.
+    // Of height 2^-20 in the object and of 1 in the world, in planes beside the middle of the
+    // object.
     const float height = 0x1p-20f;
     Scene scene;
     scene.name = "thin";
@@ -555,7 +556,8 @@ TEST_F(GridStrategy, a_ray_from_farther_than_floats_hold_in_the_object_misses) {
             rays.push_back({org, 0.0f, glm::normalize(-org), kInfinity});
         }
     }
-    for (const char* entry : {"grid/buffer/twin32", "grid/buffer/compute", "grid/buffer/fragment"}) {
+    for (const char* entry :
+         {"grid/buffer/twin32", "grid/buffer/compute", "grid/buffer/fragment"}) {
         const CastResult result = cast(*make(entry, shared), rays);
         EXPECT_EQ(hit_count(result.hits), 0u) << entry;
         for (const uint32_t flags : result.flags) EXPECT_EQ(flags, 0u) << entry;
@@ -686,6 +688,63 @@ TEST_F(GridStrategy, any_resolution_gives_the_same_hits) {
     for (const char* resolution : {"2x3x5", "64x8x64", "200x200x200"}) {
         const auto tracer = make("grid/buffer/twin32", scene, {{"resolution", resolution}});
         expect_same_bits(cast(*tracer, rays).hits, coarse, resolution);
+    }
+}
+
+/// Rays along the edges and across the faces of all instances' boxes, in their very planes, and at
+/// their corners: from two box sizes away, and from one face on.
+std::vector<Ray> rays_along_boxes(const Scene& scene) {
+    std::vector<Ray> rays;
+    for (const Bounds& box : instance_bounds(scene)) {
+        for (uint32_t i = 0; i < 64; ++i) {
+            const auto corner = [&](uint32_t bits) {
+                return vec3((bits & 1) != 0 ? box.upper.x : box.lower.x,
+                            (bits & 2) != 0 ? box.upper.y : box.lower.y,
+                            (bits & 4) != 0 ? box.upper.z : box.lower.z);
+            };
+            const vec3 from = corner(i % 8);
+            const vec3 way = corner(i / 8) - from;
+            if (way == vec3(0.0f)) continue;
+            rays.push_back({from, 0.0f, way, kInfinity});
+            rays.push_back({from - 2.0f * way, 0.0f, way, kInfinity});
+        }
+    }
+    return rays;
+}
+
+uint64_t cells_of(const CastResult& result) {
+    uint64_t cells = 0;
+    for (const RayCounters& counters : result.counters) cells += counters.cells;
+    return cells;
+}
+
+TEST_F(GridStrategy, an_instance_whose_box_is_missed_is_not_walked_through_and_no_hit_is_lost) {
+    Scene boxes;  // whose triangles lie in the faces of their instances' boxes, and of each other's
+    boxes.name = "boxes";
+    boxes.objects = {make_box(3, 2, 4)};
+    boxes.materials = {Material{}};
+    for (int i = 0; i < 12; ++i) {
+        Affine place = affine_identity();
+        place[3] = vec3(i % 3, i / 3 % 2, 2 * (i / 6)) * vec3(3, 2, 4);
+        boxes.instances.push_back({.name = "box", .world_from_object = place, .materials = {0}});
+    }
+    validate(boxes);
+    for (const Scene& made : {boxes, make_palace(), make_balls_1(), *squeezed_balls()}) {
+        const ScenePtr scene = share(made);
+        std::vector<Ray> rays = rays_along_boxes(made);
+        const std::vector<Ray> others = random_rays(scene_bounds(made), 2500, 7);
+        rays.insert(rays.end(), others.begin(), others.end());
+        for (const char* top : {"1x1x1", "9x4x7"}) {
+            const ParamValues one_by_one = {{"top_resolution", top}, {"test_boxes", "0"}};
+            const auto every = make("grid/buffer/twin32", scene, one_by_one);
+            const auto tested = make("grid/buffer/twin32", scene, {{"top_resolution", top}});
+            const CastResult all = cast(*every, rays, {.counters = true});
+            const CastResult met = cast(*tested, rays, {.counters = true});
+            expect_same_bits(met.hits, all.hits, made.name);
+            EXPECT_EQ(met.flags, all.flags) << made.name;
+            EXPECT_GT(hit_count(all.hits), rays.size() / 20) << made.name;
+            EXPECT_LE(cells_of(met), cells_of(all)) << made.name;
+        }
     }
 }
 

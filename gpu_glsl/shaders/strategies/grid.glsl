@@ -7,6 +7,7 @@
 //! gl: 4.3
 //! twin: yes
 //! param: skip_empty integer 1 cross empty space at once; 0 walks it cell by cell
+//! param: test_boxes integer 1 walk through an instance only if the ray meets its box; 0 if both are in a cell
 //! param: decide choice(doubles,floats) doubles what decides where floats cannot tell; floats err
 //! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
 //! param: specialise integer 1 leave out what the scene lacks; 0: one shader for all scenes
@@ -264,11 +265,20 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
 
 // The part of the course within a cell of the top level that is widened as its lists are: what an
 // instance of this cell must be walked through for.
-Span span_in_cell(Grid grid, Course course, ivec3 cell) {
+Span span_in_cell(Grid grid, Course course, vec3 inverse, ivec3 cell) {
     const float kPad = 1.0 / float(kListPadsACell);
     vec3 lower = grid.lower + (vec3(cell) - kPad) * grid.cell;
     vec3 upper = grid.lower + (vec3(cell) + (1.0 + kPad)) * grid.cell;
-    return span_in_box(course.org, 1.0 / course.dir, lower, upper);
+    return span_in_box(course.org, inverse, lower, upper);
+}
+
+// Whether the course is in an instance's box anywhere in that part, and before t = `bound`. (Both boxes
+// are wider than what floats lose of the course, so that wherever it meets the instance in this cell
+// it is in both.)
+bool may_meet(uint inst_id, Course course, vec3 inverse, Span part, float bound) {
+    Box box = fetch_instance_box(inst_id);
+    Span span = span_in_box(course.org, inverse, box.lower, box.upper);
+    return greater(span.enter, part.enter) <= lesser(span.leave, lesser(part.leave, bound));
 }
 
 void walk_scene(Ray ray, INOUT(Nearest) nearest) {
@@ -277,10 +287,12 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
     if (!(course.leave >= 0.0)) return;
     Walk walk = begin_walk(grid, course, 0.0);
     uint octant = octant_shift(walk);
+    vec3 inverse = 1.0 / course.dir;
     float end = lesser(course.leave, smallest(walk.t_leave));
     double t_of_length = inverse_of_power(course.length_of_t);
 
     bool is_over = false;
+    float bound = lesser(end, raised(t_along(course, nearest.t)));
     for (int steps = step_budget(grid); steps > 0; --steps) {
         count_cell();
         ivec3 place = cell_of(grid, walk);
@@ -288,26 +300,34 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
         uint cell = top_cell_word(cell_index(walk));
         bool is_in_list = !is_empty_cell(cell);
         if (is_in_list) {
-            Span span = span_in_cell(grid, course, place);
-            float enter = course.start + float(double(span.enter) * t_of_length);
-            float leave = course.start + float(double(span.leave) * t_of_length);
+            Span part = span_in_cell(grid, course, inverse, place);
+            float enter = course.start + float(double(part.enter) * t_of_length);
+            float leave = course.start + float(double(part.leave) * t_of_length);
             // The two levels start their t at different places: give the difference its rounding.
             const float kRounding = 9.5367431640625e-7;  // 2^-20: eight ulps
             float slack = kRounding * greater(abs(course.start), abs(leave));
-            const int kMostReferences = 1 << 30;
             int at = first_reference(cell);
-            for (int left = kMostReferences; left > 0; --left) {
-                uint reference = fetch_instance_reference(at);
-                ++at;
-                walk_instance(referenced(reference), ray, enter - slack, leave + slack, nearest);
-                is_in_list = !is_last_reference(reference);
+            for (;;) {
+                // On to an instance that the ray may meet: nine in ten are only in the same cell.
+                uint inst_id = kNoId;
+                bool is_met = false;
+                while (is_in_list && !is_met) {
+                    uint reference = fetch_instance_reference(at);
+                    ++at;
+                    is_in_list = !is_last_reference(reference);
+                    inst_id = referenced(reference);
+                    is_met = test_boxes == 0 ||
+                             may_meet(inst_id, course, inverse, part, bound);
+                }
+                if (!is_met) break;
+                walk_instance(inst_id, ray, enter - slack, leave + slack, nearest);
+                bound = lesser(end, raised(t_along(course, nearest.t)));
                 is_over = is_enough(nearest);
                 if (!is_in_list || is_over) break;
             }
         }
-        if (is_in_list || is_over) break;  // over, or the driver ended the loop
+        if (is_in_list || is_over) break;  // over, or the driver ended a loop
         float edge = mix(biased(1u), empty_cube(cell, octant), is_empty_cell(cell));
-        float bound = lesser(end, raised(t_along(course, nearest.t)));
         is_over = !(leave_cells(walk, left_behind_cube(walk, edge)) < bound);
         if (is_over) break;
     }

@@ -21,6 +21,8 @@ UNIFORM(vec3, flat_dims)
 
 const uint kWholeScene = kNoId;
 
+const int test_boxes = 0;  // of instances that are walked through one by one
+
 Grid fetch_walked_grid(uint inst_id) {
     return Grid(flat_centre, flat_lower, flat_upper, flat_cell, flat_cells_per_unit,
                 ivec3(int(flat_dims.x), int(flat_dims.y), int(flat_dims.z)), 0, 0, 0);

@@ -4,6 +4,8 @@
 #pragma once
 #include "storage/two_level_grid/grid_buffers.glsl"
 
+CONSTANT(int, test_boxes)  // 0: all instances of a cell are walked through
+
 // The inst_id of the only walk, where there is no top level.
 const uint kWholeScene = 0u;
 
