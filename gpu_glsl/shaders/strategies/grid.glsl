@@ -263,13 +263,25 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
 #if NEEDS(has_top_level)
 // ---- The top level -----------------------------------------------------------------------------
 
-// The part of the course within a cell of the top level that is widened as its lists are: what an
-// instance of this cell must be walked through for.
-Span span_in_cell(Grid grid, Course course, vec3 inverse, ivec3 cell) {
+// A cell of the top level that a walk is in.
+struct TopCell {
+    uint word;
+    bool has_more;  // instances in its list, ...
+    int at;         // ... from here on
+    Span part;      // of the course: what they must be walked through for
+};
+
+// The part of the course is that within the cell, widened as the cell's list is.
+TopCell top_cell_at(Grid grid, Course course, vec3 inverse, Walk walk) {
+    count_cell();
+    ivec3 place = cell_of(grid, walk);
+    NOTE_CELL(kNoId, place);
     const float kPad = 1.0 / float(kListPadsACell);
-    vec3 lower = grid.lower + (vec3(cell) - kPad) * grid.cell;
-    vec3 upper = grid.lower + (vec3(cell) + (1.0 + kPad)) * grid.cell;
-    return span_in_box(course.org, inverse, lower, upper);
+    vec3 lower = grid.lower + (vec3(place) - kPad) * grid.cell;
+    vec3 upper = grid.lower + (vec3(place) + (1.0 + kPad)) * grid.cell;
+    uint word = top_cell_word(cell_index(walk));
+    return TopCell(word, !is_empty_cell(word), first_reference(word),
+                   span_in_box(course.org, inverse, lower, upper));
 }
 
 // Whether the course is in an instance's box anywhere in that part, and before t = `bound`. (Both boxes
@@ -281,6 +293,8 @@ bool may_meet(uint inst_id, Course course, vec3 inverse, Span part, float bound)
     return greater(span.enter, part.enter) <= lesser(span.leave, lesser(part.leave, bound));
 }
 
+// Instances are looked for through all cells before one is walked through, so that rays which run
+// together walk together.
 void walk_scene(Ray ray, INOUT(Nearest) nearest) {
     Grid grid = fetch_top_grid();
     Course course = course_in(grid, to_top_level(ray), ray.tmin, ray.tmax);
@@ -293,45 +307,39 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
 
     bool is_over = false;
     float bound = lesser(end, raised(t_along(course, nearest.t)));
-    for (int steps = step_budget(grid); steps > 0; --steps) {
-        count_cell();
-        ivec3 place = cell_of(grid, walk);
-        NOTE_CELL(kNoId, place);
-        uint cell = top_cell_word(cell_index(walk));
-        bool is_in_list = !is_empty_cell(cell);
-        if (is_in_list) {
-            Span part = span_in_cell(grid, course, inverse, place);
-            float enter = course.start + float(double(part.enter) * t_of_length);
-            float leave = course.start + float(double(part.leave) * t_of_length);
-            // The two levels start their t at different places: give the difference its rounding.
-            const float kRounding = 9.5367431640625e-7;  // 2^-20: eight ulps
-            float slack = kRounding * greater(abs(course.start), abs(leave));
-            int at = first_reference(cell);
-            for (;;) {
-                // On to an instance that the ray may meet: nine in ten are only in the same cell.
-                uint inst_id = kNoId;
-                bool is_met = false;
-                while (is_in_list && !is_met) {
-                    uint reference = fetch_instance_reference(at);
-                    ++at;
-                    is_in_list = !is_last_reference(reference);
-                    inst_id = referenced(reference);
-                    is_met = test_boxes == 0 ||
-                             may_meet(inst_id, course, inverse, part, bound);
-                }
-                if (!is_met) break;
-                walk_instance(inst_id, ray, enter - slack, leave + slack, nearest);
-                bound = lesser(end, raised(t_along(course, nearest.t)));
-                is_over = is_enough(nearest);
-                if (!is_in_list || is_over) break;
+    TopCell cell = top_cell_at(grid, course, inverse, walk);
+    for (;;) {
+        // On to an instance that the ray may meet: nine in ten are only in the same cell.
+        uint inst_id = kNoId;
+        bool is_met = false;
+        while (!is_met && !is_over) {
+            while (cell.has_more && !is_met) {
+                uint reference = fetch_instance_reference(cell.at);
+                ++cell.at;
+                cell.has_more = !is_last_reference(reference);
+                inst_id = referenced(reference);
+                is_met = test_boxes == 0 || may_meet(inst_id, course, inverse, cell.part, bound);
+            }
+            if (!is_met && !cell.has_more) {
+                float cube = empty_cube(cell.word, octant);
+                float edge = mix(biased(1u), cube, is_empty_cell(cell.word));
+                is_over = !(leave_cells(walk, left_behind_cube(walk, edge)) < bound);
+                if (!is_over) cell = top_cell_at(grid, course, inverse, walk);
             }
         }
-        if (is_in_list || is_over) break;  // over, or the driver ended a loop
-        float edge = mix(biased(1u), empty_cube(cell, octant), is_empty_cell(cell));
-        is_over = !(leave_cells(walk, left_behind_cube(walk, edge)) < bound);
-        if (is_over) break;
+        if (!is_met) break;
+
+        // Through it.
+        float enter = course.start + float(double(cell.part.enter) * t_of_length);
+        float leave = course.start + float(double(cell.part.leave) * t_of_length);
+        // The two levels start their t at different places: give the difference its rounding.
+        const float kRounding = 9.5367431640625e-7;  // 2^-20: eight ulps
+        float slack = kRounding * greater(abs(course.start), abs(leave));
+        walk_instance(inst_id, ray_again(ray), enter - slack, leave + slack, nearest);
+        bound = lesser(end, raised(t_along(course, nearest.t)));
+        is_over = is_enough(nearest);
     }
-    if (!is_over) ray_flags |= kFlagExhausted;
+    if (!is_over) ray_flags |= kFlagExhausted;  // the driver ended a loop
 }
 #endif
 

@@ -166,5 +166,3 @@ ivec3 cell_of(Grid grid, Walk walk) {
                  walk.stride.y < 0 ? grid.dims.y - left.y : left.y - 1,
                  walk.stride.z < 0 ? grid.dims.z - left.z : left.z - 1);
 }
-
-int step_budget(Grid grid) { return grid.dims.x + grid.dims.y + grid.dims.z; }
