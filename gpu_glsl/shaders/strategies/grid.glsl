@@ -91,6 +91,8 @@ Findings no_findings() {
 //
 // It returns at its end only, and gives every variable a value before any branch: one that a branch
 // alone sets is kept, by compilers that cannot tell, in registers all round the loop that calls this.
+// Loops ask at their end whether to turn: a software renderer has no other jumps, and goes through one
+// that asks at its beginning once more than it turns.
 Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, double t_nearest,
                         uint found, Findings earlier) {
     const float kWidth = 6.103515625e-5;  // 2^-14, in sizes of the object
@@ -119,68 +121,73 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
     bool goes_on = is_resumed ? t_exit < min(end, behind) : !now.is_over;
     CELL cell = no_cell();
     if (goes_on) cell = fetch_cell(grid, walk);
-    while (!now.is_over) {
-        // On to the next full cell.
-        if (!is_resumed) {
-            while (is_empty_cell(cell)) {
+    bool is_walking = !now.is_over;
+    if (is_walking) {
+        do {
+            // On to the next full cell.
+            if (!is_resumed) {
+                if (is_empty_cell(cell)) {
+                    do {
+                        count_cell();
+                        NOTE_CELL(inst_id, cell_of(grid, walk));
+                        t_exit = leave_cells(walk, left_behind_empty(cell, walk, octant));
+                        now.is_over = !(t_exit < min(end, behind));
+                        if (!now.is_over) cell = fetch_cell(grid, walk);
+                    } while (!now.is_over && is_empty_cell(cell));
+                }
+                if (now.is_over) break;
                 count_cell();
                 NOTE_CELL(inst_id, cell_of(grid, walk));
-                t_exit = leave_cells(walk, left_behind_empty(cell, walk, octant));
-                now.is_over = !(t_exit < min(end, behind));
-                if (now.is_over) break;
-                cell = fetch_cell(grid, walk);
+                at = first_reference(cell);
+                t_exit = leave_cells(walk, left_behind_full(cell, walk));
+                if (t_exit < min(end, behind)) cell = fetch_cell(grid, walk);
             }
-            if (now.is_over) break;
-            count_cell();
-            NOTE_CELL(inst_id, cell_of(grid, walk));
-            at = first_reference(cell);
-            t_exit = leave_cells(walk, left_behind_full(cell, walk));
-            if (t_exit < min(end, behind)) cell = fetch_cell(grid, walk);
-        }
-        is_resumed = false;
+            is_resumed = false;
 
-        // Its triangles. A hit that answers the ray does not end this loop, and a third open triangle
-        // only a turn later: a CPU, which guesses at the loop's end, then learns early whether it was
-        // right. Which one is next is asked for before the one at hand is fetched; behind the last list
-        // lies a word for that.
-        uint next = fetch_triangle_reference(at);
-        bool is_in_list = true;
-        for (;;) {
-            if (now.is_full) break;
-            uint reference = next;
-            next = reference_word(at + 1);
-            uint prim_id = referenced(reference);
-            is_in_list = !is_last_reference(reference);
-            count_test();
-            NOTE_TEST(named(inst_id, prim_id).inst_id, named(inst_id, prim_id).prim_id);
-            Planes planes = fetch_planes(grid, prim_id);
-            Weights weights = weights_of(planes, sight);
-            if (may_cross(weights, sight)) {
-                Crossing crossing = crossing_of(planes, weights, sight);
-                bool is_hit = may_be_within(crossing, behind) && prim_id != now.found &&
-                              prim_id != now.open && prim_id != now.other;
-                bool is_clear = crossing.is_sure && crossing.error <= 0.5 * kWidth &&
-                                crossing.t + crossing.error < behind - 2.0 * kWidth &&
-                                crossing.t - crossing.error > 0.0;
-                if (is_hit && is_clear) {
-                    now.found = prim_id;
-                    behind = crossing.t + kWidth;
-                    now.is_over = any_hit_suffices;
+            // Its triangles. A hit that answers the ray does not end this loop, and a third open triangle
+            // only a turn later: a CPU, which guesses at the loop's end, then learns early whether it was
+            // right. Which one is next is asked for before the one at hand is fetched; behind the last list
+            // lies a word for that.
+            uint next = fetch_triangle_reference(at);
+            bool is_in_list = true;
+            for (;;) {
+                if (now.is_full) break;
+                uint reference = next;
+                next = reference_word(at + 1);
+                uint prim_id = referenced(reference);
+                is_in_list = !is_last_reference(reference);
+                count_test();
+                NOTE_TEST(named(inst_id, prim_id).inst_id, named(inst_id, prim_id).prim_id);
+                Planes planes = fetch_planes(grid, prim_id);
+                Weights weights = weights_of(planes, sight);
+                if (may_cross(weights, sight)) {
+                    Crossing crossing = crossing_of(planes, weights, sight);
+                    bool is_hit = may_be_within(crossing, behind) && prim_id != now.found &&
+                                  prim_id != now.open && prim_id != now.other;
+                    bool is_clear = crossing.is_sure && crossing.error <= 0.5 * kWidth &&
+                                    crossing.t + crossing.error < behind - 2.0 * kWidth &&
+                                    crossing.t - crossing.error > 0.0;
+                    if (is_hit && is_clear) {
+                        now.found = prim_id;
+                        behind = crossing.t + kWidth;
+                        now.is_over = any_hit_suffices;
+                    }
+                    if (is_hit && !is_clear) {
+                        bool has_room = now.other == kNoId;
+                        now.at = has_room ? now.at : at;
+                        now.is_full = !has_room;
+                        now.other = has_room ? now.open : now.other;
+                        now.open = has_room ? prim_id : now.open;
+                    }
                 }
-                if (is_hit && !is_clear) {
-                    bool has_room = now.other == kNoId;
-                    now.at = has_room ? now.at : at;
-                    now.is_full = !has_room;
-                    now.other = has_room ? now.open : now.other;
-                    now.open = has_room ? prim_id : now.open;
-                }
+                if (!is_in_list) break;
+                count_reference();
+                ++at;
             }
-            if (!is_in_list) break;
-            count_reference();
-            ++at;
-        }
-        if (now.is_over || now.is_full || is_in_list) break;  // (or the driver ended the loop)
-        now.is_over = !(t_exit < min(end, behind));
+            // (Where the list does not end, the driver ended that loop.)
+            is_walking = !now.is_over && !now.is_full && !is_in_list;
+            now.is_over = now.is_over || (is_walking && !(t_exit < min(end, behind)));
+        } while (is_walking && !now.is_over);
     }
     now.t_exit = t_exit;
     now.left = walk.left;
@@ -242,12 +249,14 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
         uint next = findings.found != kNoId ? findings.open : findings.other;
         uint last = findings.found != kNoId ? findings.other : kNoId;
         uint taken = kNoId;
-        while (asked != kNoId) {
-            again = anew(inst_id, asked);
-            if (decide_on(again, ray_again(ray), findings.start, asked, nearest)) taken = asked;
-            asked = next;
-            next = last;
-            last = kNoId;
+        if (asked != kNoId) {
+            do {
+                again = anew(inst_id, asked);
+                if (decide_on(again, ray_again(ray), findings.start, asked, nearest)) taken = asked;
+                asked = next;
+                next = last;
+                last = kNoId;
+            } while (asked != kNoId);
         }
         t_nearest = nearest.t;
         found = listed_as(nearest.hit, inst_id, taken);
@@ -293,6 +302,38 @@ bool may_meet(uint inst_id, Course course, vec3 inverse, Span part, float bound)
     return greater(span.enter, part.enter) <= lesser(span.leave, lesser(part.leave, bound));
 }
 
+// What a walk through the top level came to.
+struct Visit {
+    uint inst_id;
+    bool is_met;   // an instance
+    bool is_over;  // or its end
+};
+
+// On to an instance that the ray may meet: nine in ten are only in the same cell.
+Visit next_visit(Grid grid, Course course, vec3 inverse, uint octant, float bound, INOUT(Walk) walk,
+                 INOUT(TopCell) cell) {
+    Visit visit = Visit(kNoId, false, false);
+    do {
+        if (cell.has_more) {
+            do {
+                uint reference = fetch_instance_reference(cell.at);
+                ++cell.at;
+                cell.has_more = !is_last_reference(reference);
+                visit.inst_id = referenced(reference);
+                visit.is_met = test_boxes == 0 ||
+                               may_meet(visit.inst_id, course, inverse, cell.part, bound);
+            } while (cell.has_more && !visit.is_met);
+        }
+        if (!visit.is_met && !cell.has_more) {
+            float cube = empty_cube(cell.word, octant);
+            float edge = mix(biased(1u), cube, is_empty_cell(cell.word));
+            visit.is_over = !(leave_cells(walk, left_behind_cube(walk, edge)) < bound);
+            if (!visit.is_over) cell = top_cell_at(grid, course, inverse, walk);
+        }
+    } while (!visit.is_met && !visit.is_over);
+    return visit;
+}
+
 // Instances are looked for through all cells before one is walked through, so that rays which run
 // together walk together.
 void walk_scene(Ray ray, INOUT(Nearest) nearest) {
@@ -305,41 +346,25 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
     float end = lesser(course.leave, smallest(walk.t_leave));
     double t_of_length = inverse_of_power(course.length_of_t);
 
-    bool is_over = false;
     float bound = lesser(end, raised(t_along(course, nearest.t)));
     TopCell cell = top_cell_at(grid, course, inverse, walk);
-    for (;;) {
-        // On to an instance that the ray may meet: nine in ten are only in the same cell.
-        uint inst_id = kNoId;
-        bool is_met = false;
-        while (!is_met && !is_over) {
-            while (cell.has_more && !is_met) {
-                uint reference = fetch_instance_reference(cell.at);
-                ++cell.at;
-                cell.has_more = !is_last_reference(reference);
-                inst_id = referenced(reference);
-                is_met = test_boxes == 0 || may_meet(inst_id, course, inverse, cell.part, bound);
+    Visit visit = next_visit(grid, course, inverse, octant, bound, walk, cell);
+    if (visit.is_met) {
+        do {
+            float enter = course.start + float(double(cell.part.enter) * t_of_length);
+            float leave = course.start + float(double(cell.part.leave) * t_of_length);
+            // The two levels start their t at different places: give the difference its rounding.
+            const float kRounding = 9.5367431640625e-7;  // 2^-20: eight ulps
+            float slack = kRounding * greater(abs(course.start), abs(leave));
+            walk_instance(visit.inst_id, ray_again(ray), enter - slack, leave + slack, nearest);
+            bound = lesser(end, raised(t_along(course, nearest.t)));
+            visit = Visit(visit.inst_id, false, true);
+            if (!is_enough(nearest)) {
+                visit = next_visit(grid, course, inverse, octant, bound, walk, cell);
             }
-            if (!is_met && !cell.has_more) {
-                float cube = empty_cube(cell.word, octant);
-                float edge = mix(biased(1u), cube, is_empty_cell(cell.word));
-                is_over = !(leave_cells(walk, left_behind_cube(walk, edge)) < bound);
-                if (!is_over) cell = top_cell_at(grid, course, inverse, walk);
-            }
-        }
-        if (!is_met) break;
-
-        // Through it.
-        float enter = course.start + float(double(cell.part.enter) * t_of_length);
-        float leave = course.start + float(double(cell.part.leave) * t_of_length);
-        // The two levels start their t at different places: give the difference its rounding.
-        const float kRounding = 9.5367431640625e-7;  // 2^-20: eight ulps
-        float slack = kRounding * greater(abs(course.start), abs(leave));
-        walk_instance(inst_id, ray_again(ray), enter - slack, leave + slack, nearest);
-        bound = lesser(end, raised(t_along(course, nearest.t)));
-        is_over = is_enough(nearest);
+        } while (visit.is_met);
     }
-    if (!is_over) ray_flags |= kFlagExhausted;  // the driver ended a loop
+    if (!visit.is_over) ray_flags |= kFlagExhausted;  // the driver ended a loop
 }
 #endif
 
