@@ -87,7 +87,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, double t_nearest, uint found, uin
             reference = without_first_slot(reference);
         }
         if (is_over || candidates.is_full || is_in_leaf) break;  // (or the driver ended the loop)
-        reference = take_up();
+        reference = take_up(candidates.behind);
     }
     return Findings(candidates, course.start, is_over, rest);
 }
@@ -108,7 +108,7 @@ DECLARE(Ray ray_again(Ray ray))
 // strategies/grid.glsl, which says why it is written so.
 void walk_instance(uint inst_id, Ray ray, INOUT(Nearest) nearest) {
     int base = stack_size;
-    put_aside(kBvhNothing);
+    put_end_aside();
     Nearest before = nearest;
     double t_nearest = before.t;
     uint found = kNoId;
@@ -144,7 +144,7 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
     BoxRay boxes = box_ray(course, box);
     float behind = raised(t_along(course, double(ray.tmax)));
     uint reference = kBvhInner;
-    put_aside(kBvhNothing);
+    put_end_aside();
     bool is_over = course.leave < 0.0;
     while (!is_over) {
         while (is_inner(reference)) {
@@ -160,7 +160,7 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
         behind = raised(t_along(course, min(nearest.t, double(ray.tmax))));
         bool is_in_leaf = slot_count(reference) > 1u;
         reference = without_first_slot(reference);
-        if (!is_in_leaf) reference = take_up();
+        if (!is_in_leaf) reference = take_up(behind);
     }
     if (!is_over) ray_flags |= kFlagExhausted;
 }

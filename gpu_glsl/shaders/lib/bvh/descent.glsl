@@ -48,12 +48,12 @@ float entry_of(Child child, BoxRay ray, float t_last) {
 
 // ---- The stack ---------------------------------------------------------------------------------
 
-// Nodes put aside; one stack for both levels, the object's above the top level's. A walk of a tree
-// of depth d never puts aside more than d, and below them kBvhNothing, which ends it:
-// core/bvh/bvh.h bounds both depths (pack/bvh_buffers.cpp checks their sum). Where the ray enters
-// them is not kept: a node that is behind by now is found to be so, which takes 1 to 9 % more
-// nodes, and no time.
-uint stack[BVH_STACK_ENTRIES];
+// Nodes put aside, and where the ray enters them: one that is behind by now is passed over and not
+// fetched. One stack for both levels, the object's above the top level's. A walk of a tree of depth
+// d never puts aside more than d, and below them kBvhNothing, which ends it: core/bvh/bvh.h bounds
+// both depths (pack/bvh_buffers.cpp checks their sum).
+uint stack_reference[BVH_STACK_ENTRIES];
+float stack_enter[BVH_STACK_ENTRIES];
 int stack_size;
 
 bool is_inner(uint reference) { return reference >= kBvhInner; }
@@ -63,14 +63,21 @@ uint slot_count(uint leaf) { return leaf % kBvhSlot; }
 // A leaf but for its first slot.
 uint without_first_slot(uint leaf) { return leaf + (kBvhSlot - 1u); }
 
-void put_aside(uint reference) {
-    stack[stack_size] = reference;
+void put_aside(uint reference, float enter) {
+    stack_reference[stack_size] = reference;
+    stack_enter[stack_size] = enter;
     ++stack_size;
 }
 
-uint take_up() {
-    --stack_size;
-    return stack[stack_size];
+// What a walk that begins now takes up in the end.
+void put_end_aside() { put_aside(kBvhNothing, -infinity()); }
+
+// The last put aside that is not beyond `t_last`.
+uint take_up(float t_last) {
+    do {
+        --stack_size;
+    } while (stack_enter[stack_size] > t_last);
+    return stack_reference[stack_size];
 }
 
 // From a node to the child that the ray enters first, with the other put aside; from one that it
@@ -81,7 +88,7 @@ uint step_down(Node node, BoxRay ray, float t_last) {
     bool is_first_nearer = first <= second;
     uint nearer = is_first_nearer ? node.first.reference : node.second.reference;
     uint farther = is_first_nearer ? node.second.reference : node.first.reference;
-    if (max(first, second) < infinity()) put_aside(farther);
-    if (!(min(first, second) < infinity())) nearer = take_up();
+    if (max(first, second) < infinity()) put_aside(farther, max(first, second));
+    if (!(min(first, second) < infinity())) nearer = take_up(t_last);
     return nearer;
 }
