@@ -78,7 +78,8 @@ Findings walk_in_floats(uint inst_id, Ray ray, double t_nearest, uint found, uin
             Planes planes = fetch_planes(slot);
             Weights weights = weights_of(planes, sight);
             if (may_cross(weights, sight)) {
-                // (A triangle is in one leaf alone, and so always new.)
+                // (A triangle is in one leaf alone, and so always new. The only one of an object is
+                // on both sides of the root: doubles are asked twice, and say the same.)
                 Crossing crossing = crossing_of(planes, weights, sight);
                 if (take_in(uint(slot), true, crossing, candidates)) is_over = any_hit_suffices;
                 rest = candidates.is_full ? reference : rest;
