@@ -36,7 +36,7 @@ const std::vector<AblationStep>& ablation_steps(const std::string& strategy) {
           kSpecialise,
           {"doubles: they decide where floats cannot tell", {}, {{"decide", "floats"}}},
           {"buffer textures: cells, lists and triangles", "ssbo", {}}}},
-        {"bvh", {kAnyHit, kSpecialise}},
+        {"bvh", {kAnyHit, kSpecialise, {"buffer textures: nodes and triangles", "ssbo", {}}}},
     };
     const auto found = kSteps.find(strategy);
     if (found != kSteps.end()) return found->second;

@@ -143,11 +143,10 @@ gl::ShaderConstant has_top_level(const PreparedStrategy& prepared) {
 gl::ShaderConstant has_linear_maps(const PreparedStrategy& prepared) {
     const Scene& scene = *prepared.scene;
     const bool is_fixed = scene.animation.empty();
-    const bool all_are_shifted =
-        std::ranges::all_of(scene.instances, [](const Instance& instance) {
-            const Affine& map = instance.world_from_object;
-            return map[0] == vec3(1, 0, 0) && map[1] == vec3(0, 1, 0) && map[2] == vec3(0, 0, 1);
-        });
+    const bool all_are_shifted = std::ranges::all_of(scene.instances, [](const Instance& instance) {
+        const Affine& map = instance.world_from_object;
+        return map[0] == vec3(1, 0, 0) && map[1] == vec3(0, 1, 0) && map[2] == vec3(0, 0, 1);
+    });
     return {"has_linear_maps", !(is_fixed && all_are_shifted && specialises(prepared.params))};
 }
 
@@ -422,18 +421,27 @@ std::vector<ParamInfo> bvh_params() {
     };
 }
 
-void pack_bvh(PreparedStrategy& prepared, const TextureLimits& limits) {
+void pack_bvh(PreparedStrategy& prepared, const TextureLimits& limits, BufferKind kind) {
     BvhSettings settings;
     settings.most_leaf = static_cast<uint32_t>(
         std::clamp(prepared.params.integer("leaf_size"), 0L, long{kBvhMostLeaf} + 1));
     settings.test_cost = positive(prepared.params, "test_cost");
     const TwoLevelBvh bvh = build_two_level_bvh(*prepared.scene, settings);
     const auto start = std::chrono::steady_clock::now();
-    BvhBuffers packed = pack_bvh_buffers(*prepared.scene, bvh, limits);
+    BvhBuffers packed = pack_bvh_buffers(*prepared.scene, bvh, limits, kind);
     prepared.stats = {{"build_ms", bvh.build_ms, "both levels, all threads"},
                       {"pack_ms", ms_since(start), ""}};
-    prepared.param_constants.push_back(has_top_level(prepared));
     add_packed(prepared, packed);
+    prepared.param_constants.push_back(has_top_level(prepared));
+    prepared.param_constants.push_back(has_linear_maps(prepared));
+}
+
+void pack_bvh_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_bvh(prepared, limits, BufferKind::texture);
+}
+
+void pack_bvh_in_blocks(PreparedStrategy& prepared, const TextureLimits& limits) {
+    pack_bvh(prepared, limits, BufferKind::block);
 }
 
 // ---- All structures and storages ---------------------------------------------------------------
@@ -456,7 +464,8 @@ constexpr Packing kPackings[] = {
     {"irregular_grid", "ssbo", irregular_grid_params, pack_irregular_in_blocks},
     {"flat_grid", "buffer", flat_grid_params, pack_flat_in_buffers},
     {"flat_grid", "ssbo", flat_grid_params, pack_flat_in_blocks},
-    {"bvh", "buffer", bvh_params, pack_bvh},
+    {"bvh", "buffer", bvh_params, pack_bvh_in_buffers},
+    {"bvh", "ssbo", bvh_params, pack_bvh_in_blocks},
 };
 
 const Packing& find_packing(const gl::StrategyInfo& info, const std::string& storage) {

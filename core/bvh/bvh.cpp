@@ -18,6 +18,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include "core/error.h"
+#include "core/grid/duplicates.h"
 
 namespace onepass {
 namespace {
@@ -334,6 +335,24 @@ void check(std::span<const Bounds> boxes, const BvhSettings& settings) {
     }
 }
 
+/// Over an object's triangles, but for those that equal one before them.
+Bvh build_object_bvh(const Object& object, const BvhSettings& settings) {
+    std::vector<Bounds> boxes = triangle_bounds(object);
+    const std::vector<uint8_t> is_dropped = later_duplicates(object);
+    if (is_dropped.empty()) return build_bvh(boxes, settings);
+
+    std::vector<uint32_t> kept;
+    for (uint32_t i = 0; i < boxes.size(); ++i) {
+        if (is_dropped[i] != 0) continue;
+        boxes[kept.size()] = boxes[i];
+        kept.push_back(i);
+    }
+    boxes.resize(kept.size());
+    Bvh bvh = build_bvh(boxes, settings);
+    for (uint32_t& primitive : bvh.primitives) primitive = kept[primitive];
+    return bvh;
+}
+
 }  // namespace
 
 Bvh build_bvh(std::span<const Bounds> boxes, const BvhSettings& settings) {
@@ -360,7 +379,7 @@ TwoLevelBvh build_two_level_bvh(const Scene& scene, const BvhSettings& settings)
     TwoLevelBvh bvh;
     bvh.objects.resize(scene.objects.size());
     tbb::parallel_for(size_t{0}, scene.objects.size(), [&](size_t k) {
-        bvh.objects[k] = build_bvh(triangle_bounds(scene.objects[k]), settings);
+        bvh.objects[k] = build_object_bvh(scene.objects[k], settings);
     });
     BvhSettings top = settings;
     top.most_depth = kBvhMostTopDepth;

@@ -69,7 +69,8 @@ Bvh build_bvh(std::span<const Bounds> boxes, const BvhSettings& settings);
 /// Boxes of an object's triangles, exact.
 std::vector<Bounds> triangle_bounds(const Object& object);
 
-/// One tree over instances, and one an object over its triangles.
+/// One tree over instances, and one an object over its triangles. A triangle with the very three
+/// corners of one of a lower index is in no tree (core/grid/duplicates.h).
 struct TwoLevelBvh {
     Bvh top;                   ///< world space
     std::vector<Bvh> objects;  ///< object space

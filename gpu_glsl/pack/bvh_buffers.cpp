@@ -1,7 +1,9 @@
 #include "gpu_glsl/pack/bvh_buffers.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -17,27 +19,62 @@ namespace {
 #include "gpu_glsl/shaders/shared/bvh_layout.h"
 #include "gpu_glsl/shaders/shared/grid_buffers_layout.h"
 
-// The stack of lib/bvh/descent.glsl.
-static_assert(kBvhMostDepth + kBvhMostTopDepth <= 64);
+// The stack of lib/bvh/descent.glsl: both trees' nodes put aside, and an end below each.
+static_assert(kBvhMostDepth + kBvhMostTopDepth + 2 <= BVH_STACK_ENTRIES);
 static_assert(kBvhMostLeaf < kBvhSlot);
 
-/// A child's box in the frame, and its reference, with the tree's nodes and slots beginning at
-/// these places.
-void put_child(uint32_t* out, const BvhChild& child, const GridFrame& frame, uint32_t first_node,
-               uint32_t first_slot) {
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto coordinate = [&](const vec3& p) {
-            const double q = (double{p[axis]} - frame.origin[axis]) * frame.scale;
-            return std::bit_cast<uint32_t>(static_cast<float>(q));
-        };
-        out[axis] = coordinate(child.box.lower);
-        out[axis + 3] = coordinate(child.box.upper);
-    }
-    out[6] = child.is_leaf() ? kBvhLeaf + kBvhSlot * (first_slot + child.first) + child.count
-                             : first_node + child.first;
+/// What a tree lies in: its own frame, and there a box around it. All boxes are counted from its
+/// centre.
+struct Surroundings {
+    GridFrame frame;
+    Bounds bounds;
+    dvec3 centre{0.0};
+
+    /// A point of the object, exact or to 2^-52 of itself.
+    dvec3 place(const vec3& p) const { return (dvec3(p) - frame.origin) * frame.scale - centre; }
+};
+
+/// The frame and the padded box of the grid that `grid` would build, so that rays are moved to the
+/// same places and decided on alike.
+Surroundings surroundings_of(const Bvh& tree) {
+    const Bounds bounds = padded_bounds(tree.bounds);
+    const GridFrame frame = object_frame(bounds);
+    return {frame, bounds, centre_in(bounds, frame)};
 }
 
-void put_nodes(uint32_t* out, const Bvh& bvh, const GridFrame& frame, uint32_t first_node,
+/// Of the tree over instances: the frame's origin is the scene's centre.
+Surroundings surroundings_of_top(const Bvh& tree) {
+    const Bounds bounds = padded_bounds(tree.bounds);
+    const dvec3 extent = dvec3(bounds.upper) - dvec3(bounds.lower);
+    const dvec3 middle = 0.5 * dvec3(bounds.lower) + 0.5 * dvec3(bounds.upper);
+    const double scale = frame_scale(std::max({extent.x, extent.y, extent.z}));
+    return {{dvec3(vec3(middle)), scale}, bounds, dvec3(0.0)};
+}
+
+vec3 rounded_down(const dvec3& p) {
+    vec3 q(p);
+    for (int axis = 0; axis < 3; ++axis) {
+        if (double{q[axis]} > p[axis]) q[axis] = std::nextafter(q[axis], -kInfinity);
+    }
+    return q;
+}
+
+vec3 rounded_up(const dvec3& p) { return -rounded_down(-p); }
+
+/// A child's box, and its reference, with the tree's nodes and slots beginning at these places.
+void put_child(uint32_t* out, const BvhChild& child, const Surroundings& around,
+               uint32_t first_node, uint32_t first_slot) {
+    const vec3 lower = rounded_down(around.place(child.box.lower));
+    const vec3 upper = rounded_up(around.place(child.box.upper));
+    for (int axis = 0; axis < 3; ++axis) {
+        out[axis] = std::bit_cast<uint32_t>(lower[axis]);
+        out[axis + 3] = std::bit_cast<uint32_t>(upper[axis]);
+    }
+    out[6] = child.is_leaf() ? kBvhSlot * (first_slot + child.first) + child.count
+                             : kBvhInner + first_node + child.first;
+}
+
+void put_nodes(uint32_t* out, const Bvh& bvh, const Surroundings& around, uint32_t first_node,
                uint32_t first_slot) {
     constexpr size_t kWords = 4 * kBvhNodeTexels;
     constexpr size_t kChildWords = 7;
@@ -46,7 +83,7 @@ void put_nodes(uint32_t* out, const Bvh& bvh, const GridFrame& frame, uint32_t f
             for (size_t i = range.begin(); i != range.end(); ++i) {
                 for (size_t side = 0; side < 2; ++side) {
                     put_child(out + kWords * i + kChildWords * side, bvh.nodes[i].children[side],
-                              frame, first_node, first_slot);
+                              around, first_node, first_slot);
                 }
             }
         });
@@ -54,8 +91,8 @@ void put_nodes(uint32_t* out, const Bvh& bvh, const GridFrame& frame, uint32_t f
 
 /// An object's corners and planes in the order of the leaves, and the triangle in each slot.
 void put_triangles(float* corners, float* planes, uint32_t* primitives, const Object& object,
-                   const Bvh& bvh, const GridFrame& frame) {
-    const dvec3 centre = centre_in(bvh.bounds, frame);
+                   const Bvh& bvh, const Surroundings& around) {
+    const GridFrame& frame = around.frame;
     tbb::parallel_for(
         tbb::blocked_range<size_t>(0, bvh.primitives.size(), 1 << 12), [&](const auto& range) {
             for (size_t slot = range.begin(); slot != range.end(); ++slot) {
@@ -68,7 +105,7 @@ void put_triangles(float* corners, float* planes, uint32_t* primitives, const Ob
                     const dvec3 q = (p - frame.origin) * frame.scale;
                     for (int axis = 0; axis < 3; ++axis) {
                         out[axis] = static_cast<float>(q[axis]);
-                        stored[v][axis] = double{out[axis]} - centre[axis];
+                        stored[v][axis] = double{out[axis]} - around.centre[axis];
                     }
                 }
                 put_barycentric_planes(planes + 4 * kBvhPlanesTexels * slot, stored[0], stored[1],
@@ -94,72 +131,84 @@ std::vector<Place> places_of(const std::vector<Bvh>& trees) {
 
 /// References have 27 bits for a slot and 31 for a node, of which there are fewer.
 void check_slots(uint64_t slots) {
-    constexpr uint64_t kMost = kBvhLeaf / kBvhSlot;
+    constexpr uint64_t kMost = kBvhInner / kBvhSlot;
     if (slots <= kMost) return;
     throw Error({"buffer 'bvh_primitives'", std::to_string(slots) + " triangles",
                  "at most " + std::to_string(kMost), "Use a grid, or a smaller scene."});
 }
 
-TextureData pack_instances(const Scene& scene, const TwoLevelBvh& bvh,
-                           const std::vector<GridFrame>& frames, const TextureLimits& limits) {
-    TextureData rows = make_float_buffer("bvh_instances", "instances",
-                                         scene.instances.size() * kBvhInstanceTexels, limits);
-    static_assert(kBvhInstanceTexels == kInstanceRowTexels + 3);
+TextureData pack_instance_rows(const Scene& scene, const std::vector<Surroundings>& around,
+                               const TextureLimits& limits) {
+    TextureData rows = make_float_buffer("instance_rows", "instances",
+                                         scene.instances.size() * kInstanceRowTexels, limits);
     for (size_t i = 0; i < scene.instances.size(); ++i) {
         const Instance& instance = scene.instances[i];
-        const GridFrame& frame = frames[instance.object];
-        const Bounds& box = bvh.objects[instance.object].bounds;
-        float* const out = &rows.texels[4 * kBvhInstanceTexels * i];
-        put_instance_rows(out, instance.world_from_object, frame);
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto coordinate = [&](const vec3& p) {
-                return static_cast<float>((double{p[axis]} - frame.origin[axis]) * frame.scale);
-            };
-            out[4 * kInstanceRowTexels + axis] = coordinate(box.lower);
-            out[4 * kInstanceRowTexels + 4 + axis] = coordinate(box.upper);
-            out[4 * kInstanceRowTexels + 8 + axis] =
-                static_cast<float>(centre_in(box, frame)[axis]);
-        }
+        put_instance_rows(&rows.texels[4 * kInstanceRowTexels * i], instance.world_from_object,
+                          around[instance.object].frame);
     }
     return rows;
 }
 
+TextureData pack_boxes(const Scene& scene, const std::vector<Surroundings>& around,
+                       const TextureLimits& limits) {
+    TextureData boxes =
+        make_float_buffer("bvh_boxes", "instances", scene.instances.size() * kBvhBoxTexels, limits);
+    float* out = boxes.texels.data();
+    for (const Instance& instance : scene.instances) {
+        const Surroundings& own = around[instance.object];
+        for (const dvec3& p :
+             {own.centre, own.place(own.bounds.lower), own.place(own.bounds.upper)}) {
+            for (int axis = 0; axis < 3; ++axis) out[axis] = static_cast<float>(p[axis]);
+            out += 4;
+        }
+    }
+    return boxes;
+}
+
+std::vector<UniformData> top_uniforms(const Surroundings& top) {
+    return {{"top_centre", vec3(top.frame.origin)},
+            {"top_scale", static_cast<float>(top.frame.scale)},
+            {"top_lower", rounded_down(top.place(top.bounds.lower))},
+            {"top_upper", rounded_up(top.place(top.bounds.upper))}};
+}
+
 }  // namespace
 
-BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh,
-                            const TextureLimits& limits) {
+BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh, const TextureLimits& limits,
+                            BufferKind kind) {
     // The objects.
     const std::vector<Place> places = places_of(bvh.objects);
     check_slots(places.back().slot);
-    TextureData nodes =
-        make_word_buffer("bvh_nodes", "nodes", places.back().node * kBvhNodeTexels, 4, limits);
+    TextureData nodes = make_word_buffer("bvh_nodes", "nodes", places.back().node * kBvhNodeTexels,
+                                         4, limits, kind);
     TextureData vertices = make_float_buffer("bvh_vertices", "triangles",
-                                             places.back().slot * kBvhTriangleTexels, limits);
-    TextureData planes =
-        make_float_buffer("bvh_planes", "triangles", places.back().slot * kBvhPlanesTexels, limits);
+                                             places.back().slot * kBvhTriangleTexels, limits, kind);
+    TextureData planes = make_float_buffer("bvh_planes", "triangles",
+                                           places.back().slot * kBvhPlanesTexels, limits, kind);
     TextureData primitives =
-        make_word_buffer("bvh_primitives", "triangles", places.back().slot, 1, limits);
-    std::vector<GridFrame> frames;
+        make_word_buffer("bvh_primitives", "triangles", places.back().slot, 1, limits, kind);
+    std::vector<Surroundings> around;
     for (size_t k = 0; k < scene.objects.size(); ++k) {
         const Bvh& tree = bvh.objects[k];
         const Place& at = places[k];
-        frames.push_back(object_frame(padded_bounds(tree.bounds)));
-        put_nodes(&nodes.words[4 * kBvhNodeTexels * at.node], tree, frames.back(),
+        around.push_back(surroundings_of(tree));
+        put_nodes(&nodes.words[4 * kBvhNodeTexels * at.node], tree, around.back(),
                   static_cast<uint32_t>(at.node), static_cast<uint32_t>(at.slot));
         put_triangles(&vertices.texels[4 * kBvhTriangleTexels * at.slot],
                       &planes.texels[4 * kBvhPlanesTexels * at.slot], &primitives.words[at.slot],
-                      scene.objects[k], tree, frames.back());
+                      scene.objects[k], tree, around.back());
     }
 
-    // The instances and the tree over them, which is in the world as it is.
+    // The instances and the tree over them.
     TextureData roots =
         make_word_buffer("bvh_roots", "instances", scene.instances.size(), 1, limits);
     for (size_t i = 0; i < scene.instances.size(); ++i) {
-        roots.words[i] = static_cast<uint32_t>(places[scene.instances[i].object].node);
+        roots.words[i] = kBvhInner + static_cast<uint32_t>(places[scene.instances[i].object].node);
     }
     TextureData top_nodes = make_word_buffer("bvh_top_nodes", "nodes",
                                              bvh.top.nodes.size() * kBvhNodeTexels, 4, limits);
-    put_nodes(top_nodes.words.data(), bvh.top, {}, 0, 0);
+    const Surroundings top = surroundings_of_top(bvh.top);
+    put_nodes(top_nodes.words.data(), bvh.top, top, 0, 0);
     TextureData top_instances =
         make_word_buffer("bvh_top_instances", "instances", bvh.top.primitives.size(), 1, limits);
     top_instances.words.assign(bvh.top.primitives.begin(), bvh.top.primitives.end());
@@ -173,7 +222,9 @@ BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh,
     textures.push_back(std::move(roots));
     textures.push_back(std::move(top_nodes));
     textures.push_back(std::move(top_instances));
-    textures.push_back(pack_instances(scene, bvh, frames, limits));
+    textures.push_back(pack_instance_rows(scene, around, limits));
+    textures.push_back(pack_boxes(scene, around, limits));
+    packed.inputs.uniforms = top_uniforms(top);
     for (const TextureData& texture : textures) {
         packed.stats.push_back({texture.name + "_bytes", static_cast<double>(texture.bytes()), ""});
     }

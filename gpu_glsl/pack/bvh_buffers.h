@@ -1,4 +1,4 @@
-// Bounding volume hierarchies packed into buffer textures: storage/bvh/buffer.
+// Bounding volume hierarchies packed into buffers: storage/bvh/buffer and ssbo.
 #pragma once
 
 #include <vector>
@@ -15,12 +15,13 @@ struct BvhBuffers {
     std::vector<Stat> stats;
 };
 
-/// Layouts in gpu_glsl/shaders/storage/bvh/buffer.glsl and shared/bvh_layout.h.
+/// Layouts in gpu_glsl/shaders/storage/bvh/trees.glsl and shared/bvh_layout.h.
 ///
-/// Positions and boxes are stored in the frame of their object, without rounding.
-/// Cost:   O(nodes + triangles).
-/// Throws: Error naming the buffer, what was asked and the limit, if the scene does not fit.
-BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh,
-                            const TextureLimits& limits);
+/// Positions are stored in the frame of their object, without rounding; boxes from its centre,
+/// rounded outwards. `kind`: of nodes and triangles, which a walk fetches; the rest is always read
+/// as textures. Cost:   O(nodes + triangles). Throws: Error naming the buffer, what was asked and
+/// the limit, if the scene does not fit.
+BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh, const TextureLimits& limits,
+                            BufferKind kind);
 
 }  // namespace onepass

@@ -119,18 +119,16 @@ uvec3 record_texture_size(const std::string& name, const std::string& what, uint
 }
 
 TextureData make_float_buffer(const std::string& name, const std::string& what, uint64_t texels,
-                              const TextureLimits& limits) {
-    TextureData buffer =
-        make_buffer(name, what, texels, 4 * sizeof(float), limits, BufferKind::texture);
+                              const TextureLimits& limits, BufferKind kind) {
+    TextureData buffer = make_buffer(name, what, texels, 4 * sizeof(float), limits, kind);
     buffer.texels.assign(size_t{4} * buffer.size.x, 0.0f);
     return buffer;
 }
 
 TextureData make_word_buffer(const std::string& name, const std::string& what, uint64_t texels,
-                             int channels, const TextureLimits& limits) {
+                             int channels, const TextureLimits& limits, BufferKind kind) {
     const uint64_t bytes_a_texel = static_cast<uint64_t>(channels) * sizeof(uint32_t);
-    TextureData buffer =
-        make_buffer(name, what, texels, bytes_a_texel, limits, BufferKind::texture);
+    TextureData buffer = make_buffer(name, what, texels, bytes_a_texel, limits, kind);
     buffer.channels = channels;
     buffer.format = ChannelFormat::word;
     buffer.words.assign(static_cast<size_t>(channels) * buffer.size.x, 0);

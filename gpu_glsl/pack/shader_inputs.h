@@ -104,9 +104,10 @@ enum class BufferKind { texture, block };
 /// Buffers of zeros: of four floats a texel, and of 1, 2 or 4 unsigned integers a texel. `what`
 /// names what fills them in errors. Throws: Error if the texels exceed the limit.
 TextureData make_float_buffer(const std::string& name, const std::string& what, uint64_t texels,
-                              const TextureLimits& limits);
+                              const TextureLimits& limits, BufferKind kind = BufferKind::texture);
 TextureData make_word_buffer(const std::string& name, const std::string& what, uint64_t texels,
-                             int channels, const TextureLimits& limits);
+                             int channels, const TextureLimits& limits,
+                             BufferKind kind = BufferKind::texture);
 
 /// The same of numbers that are there: of four floats a texel, and of one integer.
 TextureData float_buffer_of(const std::string& name, const std::string& what,

@@ -15,7 +15,8 @@
 namespace onepass::test {
 namespace {
 
-constexpr const char* kEntries[] = {"bvh/buffer/fragment", "bvh/buffer/compute"};
+constexpr const char* kEntries[] = {"bvh/buffer/fragment", "bvh/buffer/compute",
+                                    "bvh/ssbo/fragment", "bvh/ssbo/compute"};
 constexpr const char* kTwin = "bvh/buffer/twin32";
 
 class BvhStrategy : public GlTest {
@@ -148,27 +149,92 @@ TEST_F(BvhStrategy, a_ray_exactly_through_the_rim_of_a_surface_hits_it) {
 }
 
 TEST_F(BvhStrategy, neither_the_tree_nor_the_order_of_triangles_shows_in_a_hit) {
-    // Every triangle is there twice, so that each hit is a tie.
+    // Every instance is there twice, so that each hit is a tie, beside those of shared corners.
     Scene scene = make_palace();
-    for (Object& object : scene.objects) {
-        const std::vector<uvec3> once = object.triangles;
-        object.triangles.insert(object.triangles.end(), once.begin(), once.end());
-        object.groups = {{"all", 0, static_cast<uint32_t>(object.triangles.size())}};
-    }
-    for (Instance& instance : scene.instances) instance.materials = {0};
+    const size_t once = scene.instances.size();
+    for (size_t i = 0; i < once; ++i) scene.instances.push_back(scene.instances[i]);
     validate(scene);
     const ScenePtr doubled = share(scene);
     const std::vector<Ray> rays = rays_of_kind("vertex", scene, 48);
     const std::vector<Hit> hits = cast(*make(kTwin, doubled), rays).hits;
     for (const Hit& hit : hits) {
         if (!hit.is_hit()) continue;
-        const Object& object = scene.objects[scene.instances[hit.inst_id].object];
-        EXPECT_LT(hit.prim_id, object.triangles.size() / 2) << "of two the one of lower number";
+        EXPECT_LT(hit.inst_id, once) << "of two the one of lower number";
     }
     EXPECT_GT(hit_count(hits), rays.size() / 2);
     for (const ParamValues& params : {ParamValues{{"leaf_size", "1"}},
                                       ParamValues{{"leaf_size", "15"}, {"test_cost", "0.1"}}}) {
         expect_same_bits(cast(*make(kTwin, doubled, params), rays).hits, hits, "another tree");
+    }
+}
+
+TEST_F(BvhStrategy, hits_are_those_of_the_grid_bit_for_bit) {
+    // From afar as well, where rays are moved before they are decided on.
+    for (const Scene& made : {make_balls_1(), make_instances(), make_knife()}) {
+        const ScenePtr scene = share(made);
+        for (const char* kind : {"vertex", "edge", "random"}) {
+            std::vector<Ray> rays = rays_of_kind(kind, *scene, 48);
+            const size_t near = rays.size();
+            for (size_t i = 0; i < near; ++i) {
+                const vec3 way = rays[i].dir * (i % 2 == 0 ? 300.0f : 3e4f);
+                rays.push_back({rays[i].org - way, 0.0f, rays[i].dir, kInfinity});
+            }
+            const std::vector<Hit> hits = cast(*make("grid/buffer/twin32", scene), rays).hits;
+            EXPECT_GT(hit_count(hits), near / 2) << made.name << ", " << kind;
+            expect_same_bits(cast(*make(kTwin, scene), rays).hits, hits, made.name + ", " + kind);
+        }
+    }
+}
+
+/// Sheets of one triangle each, nearer to each other than floats tell apart, and no two parallel:
+/// so all but one are open. `is_alone`: in one instance; else between others.
+ScenePtr crossing_sheets(bool is_alone) {
+    constexpr int kSheets = 24;
+    Scene scene = *ball_at(vec3(0.0f), 1.0f);
+    Object& sheets = scene.objects.front();
+    sheets = Object{};
+    for (int k = 0; k < kSheets; ++k) {
+        const float tilt = 1e-6f * static_cast<float>(7 * k % kSheets - kSheets / 2);
+        const auto first = static_cast<uint32_t>(sheets.positions.size());
+        sheets.positions.insert(sheets.positions.end(), {vec3(-3, -2, -tilt), vec3(3, -2, tilt),
+                                                         vec3(0.1f * static_cast<float>(k), 4, 0)});
+        sheets.triangles.push_back({first, first + 1, first + 2});
+    }
+    sheets.groups = {{"all", 0, kSheets}};
+    if (!is_alone) {
+        for (const float place : {-1.0f, 1.0f, 5.0f}) {
+            scene.instances.push_back(scene.instances.front());
+            scene.instances.back().world_from_object[3].z = place;
+        }
+    }
+    validate(scene);
+    return share(std::move(scene));
+}
+
+TEST_F(BvhStrategy, a_walk_with_no_room_for_another_open_triangle_is_taken_up_after_the_decision) {
+    for (const bool is_alone : {true, false}) {
+        const ScenePtr scene = crossing_sheets(is_alone);
+        const size_t sheets = scene->objects[0].triangles.size();
+        std::vector<Ray> rays;
+        for (int i = 0; i < 200; ++i) {
+            const vec3 target(0.01f * static_cast<float>(i % 100) - 0.5f,
+                              0.013f * static_cast<float>(i % 71) - 0.5f, 0.0f);
+            const vec3 dir(0.3f, 0.1f, i % 2 == 0 ? 1.0f : -1.0f);
+            rays.push_back({target - 0.5f * dir, 0.0f, dir, kInfinity});
+        }
+        for (const char* entry : {kTwin, "bvh/buffer/fragment", "bvh/ssbo/compute"}) {
+            for (const char* leaf_size : {"1", "4", "15"}) {
+                const auto tracer = make(entry, scene, {{"leaf_size", leaf_size}});
+                const std::string what =
+                    std::string(entry) + (is_alone ? ", alone, leaves of " : ", leaves of ");
+                expect_no_error(*tracer, scene, rays, what + leaf_size);
+                // Each time a walk stops it tests one triangle again.
+                const CastResult result = cast(*tracer, rays, {.counters = true});
+                for (size_t i = 0; i < rays.size(); ++i) {
+                    EXPECT_GT(result.counters[i].tests, sheets) << what << leaf_size;
+                }
+            }
+        }
     }
 }
 
@@ -249,6 +315,13 @@ TEST_F(BvhStrategy, a_buffer_that_the_device_cannot_hold_is_refused_by_name) {
         EXPECT_NE(error.parts().expected.find("1000"), std::string::npos) << error.what();
     }
     EXPECT_THROW(make(kTwin, share(make_balls_1()), {{"leaf_size", "16"}}), Error);
+}
+
+TEST_F(BvhStrategy, what_a_walk_fetches_is_held_to_the_limit_of_its_own_storage) {
+    const ScenePtr scene = share(make_balls_1());
+    EXPECT_NO_THROW(prepare_strategy(bvh_info(), "ssbo", scene, {}, {.max_buffer = 1000}));
+    EXPECT_NO_THROW(prepare_strategy(bvh_info(), "buffer", scene, {}, {.max_block = 1000}));
+    EXPECT_THROW(prepare_strategy(bvh_info(), "ssbo", scene, {}, {.max_block = 1000}), Error);
 }
 
 }  // namespace

@@ -103,8 +103,8 @@ TEST_F(Specialise, what_a_scene_has_is_there_and_nothing_beside) {
 
 TEST_F(Specialise, rays_for_instances_that_are_only_shifted_meet_no_matrix) {
     constexpr const char* kMatrix = "dvec3 row_x";
-    for (const char* tracer :
-         {"grid/buffer/compute", "irregular_grid/ssbo/fragment", "flat_grid/buffer/fragment"}) {
+    for (const char* tracer : {"grid/buffer/compute", "irregular_grid/ssbo/fragment",
+                               "flat_grid/buffer/fragment", "bvh/ssbo/compute"}) {
         Scene scene = *ball_on_ground(false, false, 1);
         EXPECT_FALSE(holds(frame_text(tracer, share(scene)), kMatrix)) << tracer;
         EXPECT_TRUE(holds(frame_text(tracer, share(scene), kForAllScenes), kMatrix)) << tracer;

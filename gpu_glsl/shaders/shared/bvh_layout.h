@@ -2,13 +2,16 @@
 #pragma once
 
 // Words: the first child's lower and upper corner and reference (7), the second's (7), 0, 0. The
-// corners are floats' bits.
+// corners are floats' bits, from the centre of the box around the tree.
 const int kBvhNodeTexels = 4;
 
-// What a reference says: an inner node's index; or kBvhLeaf plus 16 times the first slot plus the
-// number of slots. A slot is a place in the leaves' order.
-const uint kBvhLeaf = 0x80000000u;
+// What a reference says: kBvhInner plus an inner node's index; or, of a leaf, 16 times the first
+// slot plus the number of slots. A slot is a place in the leaves' order. 0, a leaf of none, is the
+// end of a walk. (It is what lanes that are switched off read from storage blocks on a software
+// renderer, while they run loops.)
+const uint kBvhInner = 0x80000000u;
 const uint kBvhSlot = 16u;
+const uint kBvhNothing = 0u;
 
 // What floats test (pack/barycentric_planes.h), from the centre of the object's box.
 const int kBvhPlanesTexels = 3;
@@ -16,6 +19,9 @@ const int kBvhPlanesTexels = 3;
 // The corners, in the object's frame.
 const int kBvhTriangleTexels = 3;
 
-// As kInstanceRowTexels of grid_buffers_layout.h; then the lower and the upper corner of the object
-// in its frame, and the centre of that box.
-const int kBvhInstanceTexels = 9;
+// Of each instance's object: its centre in the object's frame, and from there its lower and upper
+// corner.
+const int kBvhBoxTexels = 3;
+
+// Of the stack: of 40 and 24 levels of two trees (core/bvh/bvh.h), and what ends either walk.
+#define BVH_STACK_ENTRIES 66

@@ -26,10 +26,8 @@
 // 6. Where it can have, doubles decide (lib/triangle/decide.glsl).
 #pragma once
 #include "lib/grid/walk.glsl"
-#include "lib/query.glsl"
-#include "lib/triangle/decide.glsl"
+#include "lib/triangle/candidates.glsl"
 #include "lib/triangle/decide_in_floats.glsl"
-#include "lib/triangle/rule_out.glsl"
 
 // Invocations of a group that casts rays (entry/cast_compute.glsl). The compiler of an H100 (driver 580)
 // settles for fewer registers if there are two warps: more of them run, and the longer texts spill.
@@ -47,47 +45,25 @@ CONSTANT(bool, has_top_level)  // false: one instance, and no grid over it
 CONSTANT(int, decide)
 const int kInFloats = 1;  // of decide
 
-// The nearest hit of the instances walked through so far.
-struct Nearest {
-    double t;
-    Hit hit;
-};
-
-bool is_before(uint inst_id, uint prim_id, Hit other) {
-    return inst_id < other.inst_id || (inst_id == other.inst_id && prim_id < other.prim_id);
-}
-
-// Whether what was found answers the ray, wherever the nearest hit may be.
-bool is_enough(Nearest nearest) { return any_hit_suffices && is_hit(nearest.hit); }
-
 // ---- The object level --------------------------------------------------------------------------
-
-// A number raised by two ulps, to be on the safe side of its rounding.
-float raised(float t) { return t < infinity() ? t + (4.0 * half_ulp()) * abs(t) : t; }
 
 // What floats found out about one instance, and where they stopped.
 struct Findings {
-    uint found;    // the triangle that is hit first, but for those open; or kNoId
-    uint open;     // one of which they cannot tell whether it is hit, or before that one; or kNoId
-    uint other;    // another one
+    Candidates candidates;
     float start;   // t of the ray where its course begins
     bool is_over;  // the walk went to its end
-    bool is_full;  // it stopped, because a third triangle was open, ...
-    int at;        // ... at this place of the list
+    int at;        // if a third triangle was open: it stopped at this place of the list ...
     float t_exit;  // ... of a cell that the course leaves here
     vec3 left;     // ... for one with so many cells left, biased
 };
 
 Findings no_findings() {
-    return Findings(kNoId, kNoId, kNoId, 0.0, false, false, 0, 0.0, vec3(0.0, 0.0, 0.0));
+    return Findings(candidates_before(0.0, kNoId), 0.0, false, 0, 0.0, vec3(0.0, 0.0, 0.0));
 }
 
 // Walks through an instance's grid and tests its triangles, from where an earlier walk stopped, if it
 // did. What begins behind t = `t_nearest`, the nearest hit's so far, is not looked at; on this
 // instance that is the hit on triangle `found`.
-//
-// A hit is sure only if floats know its t to half of kWidth, and counts as known to kWidth: one bound then
-// says where what is behind it begins and, less twice that, where what is surely before it ends.
 //
 // It returns at its end only, and gives every variable a value before any branch: one that a branch
 // alone sets is kept, by compilers that cannot tell, in registers all round the loop that calls this.
@@ -95,30 +71,29 @@ Findings no_findings() {
 // that asks at its beginning once more than it turns.
 Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, double t_nearest,
                         uint found, Findings earlier) {
-    const float kWidth = 6.103515625e-5;  // 2^-14, in sizes of the object
     Findings now = no_findings();
     Grid grid = fetch_walked_grid(inst_id);
     // The course is the same from whichever cell of the top level the instance is met, so that a
     // triangle met twice gives the same t twice; the walk covers the part that was asked for.
     Course course = course_in(grid, to_walked_grid(inst_id, ray), ray.tmin, ray.tmax);
     now.start = course.start;
-    now.found = found;
     // From here on t is that of the course.
     float begin = greater(t_along(course, double(t_first)), 0.0);
     float end = lesser(t_along(course, double(t_last)), course.leave);
     now.is_over = course.leave < 0.0 || !(begin <= end);
-    float behind = raised(t_along(course, min(t_nearest, double(ray.tmax))));
+    Candidates candidates =
+        candidates_before(raised(t_along(course, min(t_nearest, double(ray.tmax)))), found);
     Sight sight = sight_from(course.org, course.dir, grid.upper);
     Walk walk = begin_walk(grid, course, begin);
     uint octant = octant_shift(walk);
     end = min(end, smallest(walk.t_leave));
 
     // The next cell's word is asked for before the triangles of the one at hand are tested.
-    bool is_resumed = earlier.is_full;
+    bool is_resumed = earlier.candidates.is_full;
     int at = earlier.at;
     float t_exit = earlier.t_exit;
     if (is_resumed) walk.left = earlier.left;
-    bool goes_on = is_resumed ? t_exit < min(end, behind) : !now.is_over;
+    bool goes_on = is_resumed ? t_exit < min(end, candidates.behind) : !now.is_over;
     CELL cell = no_cell();
     if (goes_on) cell = fetch_cell(grid, walk);
     bool is_walking = !now.is_over;
@@ -131,7 +106,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
                         count_cell();
                         NOTE_CELL(inst_id, cell_of(grid, walk));
                         t_exit = leave_cells(walk, left_behind_empty(cell, walk, octant));
-                        now.is_over = !(t_exit < min(end, behind));
+                        now.is_over = !(t_exit < min(end, candidates.behind));
                         if (!now.is_over) cell = fetch_cell(grid, walk);
                     } while (!now.is_over && is_empty_cell(cell));
                 }
@@ -140,7 +115,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
                 NOTE_CELL(inst_id, cell_of(grid, walk));
                 at = first_reference(cell);
                 t_exit = leave_cells(walk, left_behind_full(cell, walk));
-                if (t_exit < min(end, behind)) cell = fetch_cell(grid, walk);
+                if (t_exit < min(end, candidates.behind)) cell = fetch_cell(grid, walk);
             }
             is_resumed = false;
 
@@ -151,7 +126,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
             uint next = fetch_triangle_reference(at);
             bool is_in_list = true;
             for (;;) {
-                if (now.is_full) break;
+                if (candidates.is_full) break;
                 uint reference = next;
                 next = reference_word(at + 1);
                 uint prim_id = referenced(reference);
@@ -162,33 +137,23 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
                 Weights weights = weights_of(planes, sight);
                 if (may_cross(weights, sight)) {
                     Crossing crossing = crossing_of(planes, weights, sight);
-                    bool is_hit = may_be_within(crossing, behind) && prim_id != now.found &&
-                                  prim_id != now.open && prim_id != now.other;
-                    bool is_clear = crossing.is_sure && crossing.error <= 0.5 * kWidth &&
-                                    crossing.t + crossing.error < behind - 2.0 * kWidth &&
-                                    crossing.t - crossing.error > 0.0;
-                    if (is_hit && is_clear) {
-                        now.found = prim_id;
-                        behind = crossing.t + kWidth;
+                    bool is_new = prim_id != candidates.found && prim_id != candidates.open &&
+                                  prim_id != candidates.other;
+                    if (take_in(prim_id, is_new, crossing, candidates)) {
                         now.is_over = any_hit_suffices;
                     }
-                    if (is_hit && !is_clear) {
-                        bool has_room = now.other == kNoId;
-                        now.at = has_room ? now.at : at;
-                        now.is_full = !has_room;
-                        now.other = has_room ? now.open : now.other;
-                        now.open = has_room ? prim_id : now.open;
-                    }
+                    now.at = candidates.is_full ? at : now.at;
                 }
                 if (!is_in_list) break;
                 count_reference();
                 ++at;
             }
             // (Where the list does not end, the driver ended that loop.)
-            is_walking = !now.is_over && !now.is_full && !is_in_list;
-            now.is_over = now.is_over || (is_walking && !(t_exit < min(end, behind)));
+            is_walking = !now.is_over && !candidates.is_full && !is_in_list;
+            now.is_over = now.is_over || (is_walking && !(t_exit < min(end, candidates.behind)));
         } while (is_walking && !now.is_over);
     }
+    now.candidates = candidates;
     now.t_exit = t_exit;
     now.left = walk.left;
     return now;
@@ -213,13 +178,7 @@ bool decide_on(uint inst_id, Ray ray, float start, uint listed, INOUT(Nearest) n
         sharp = sharp_hit(local, fetch_triangle(grid, name.prim_id));
         t = double(start) + sharp.t;
     }
-    bool is_taken = sharp.is_hit && t >= double(ray.tmin) && t <= double(ray.tmax) &&
-                    (t < nearest.t ||
-                     (t == nearest.t && is_before(name.inst_id, name.prim_id, nearest.hit)));
-    if (is_taken) {
-        nearest = Nearest(t, Hit(float(t), sharp.u, sharp.v, name.prim_id, name.inst_id));
-    }
-    return is_taken;
+    return take_nearer(sharp, t, ray, name.inst_id, name.prim_id, nearest);
 }
 
 // The ray once more, from where the entry has it: read again, it needs no registers meanwhile.
@@ -227,11 +186,9 @@ DECLARE(Ray ray_again(Ray ray))
 
 // Finds the nearest hit on one instance, where the ray meets it in [t_first, t_last].
 //
-// Floats walk and test. They find out which triangle is hit first, but for some that are `open`: they
-// cannot tell whether those are hit, or before that one. They wait: a nearer hit may settle the
-// question. When the walk is over, or a third one would have to wait, doubles decide. (A walk that
-// decided on its way would pay for it at every test: a software renderer goes through both sides
-// of a branch, and a GPU keeps registers for both.)
+// Floats walk and test; when the walk is over, or has no room for what it found, doubles decide
+// (lib/triangle/candidates.glsl). A walk that decided on its way would pay for it at every test: a
+// software renderer goes through both sides of a branch, and a GPU keeps registers for both.
 //
 // A GPU runs as many rays at once as their registers allow, so that the walk should keep nothing for
 // the decision, nor the decision for a walk that seldom goes on. Hence `anew`.
@@ -245,18 +202,16 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
         uint again = anew(inst_id, uint(findings.at));
         findings = walk_in_floats(again, ray, t_first, t_last, t_nearest, found, findings);
         nearest = before;
-        uint asked = findings.found != kNoId ? findings.found : findings.open;
-        uint next = findings.found != kNoId ? findings.open : findings.other;
-        uint last = findings.found != kNoId ? findings.other : kNoId;
         uint taken = kNoId;
-        if (asked != kNoId) {
+        Queue queue = queue_of(findings.candidates);
+        if (queue.asked != kNoId) {
             do {
-                again = anew(inst_id, asked);
-                if (decide_on(again, ray_again(ray), findings.start, asked, nearest)) taken = asked;
-                asked = next;
-                next = last;
-                last = kNoId;
-            } while (asked != kNoId);
+                again = anew(inst_id, queue.asked);
+                if (decide_on(again, ray_again(ray), findings.start, queue.asked, nearest)) {
+                    taken = queue.asked;
+                }
+                queue = without_first(queue);
+            } while (queue.asked != kNoId);
         }
         t_nearest = nearest.t;
         found = listed_as(nearest.hit, inst_id, taken);
@@ -265,7 +220,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
             t_first = ray.tmin;
             t_last = ray.tmax;
         }
-    } while (findings.is_full && !is_enough(nearest));
+    } while (findings.candidates.is_full && !is_enough(nearest));
     if (!findings.is_over && !is_enough(nearest)) ray_flags |= kFlagExhausted;
 }
 

@@ -164,6 +164,23 @@ TEST(Bvh, a_scene_has_a_tree_an_object_and_one_over_its_instances) {
     EXPECT_GT(bvh.build_ms, 0.0);
 }
 
+TEST(Bvh, of_triangles_with_the_same_corners_only_the_first_is_in_the_tree) {
+    Scene scene;
+    Object ball = make_sphere(12, 9);
+    const std::vector<uvec3> once = ball.triangles;
+    for (const uvec3& t : once) ball.triangles.push_back({t.z, t.x, t.y});
+    ball.triangles.push_back(once.front());
+    ball.groups = {{"all", 0, static_cast<uint32_t>(ball.triangles.size())}};
+    scene.objects = {ball};
+    scene.instances = {{.name = "ball", .object = 0, .materials = {0}}};
+    scene.materials.resize(1);
+    validate(scene);
+    std::vector<uint32_t> named = build_two_level_bvh(scene, {}).objects[0].primitives;
+    std::sort(named.begin(), named.end());
+    ASSERT_EQ(named.size(), once.size());
+    for (uint32_t i = 0; i < named.size(); ++i) EXPECT_EQ(named[i], i);
+}
+
 TEST(Bvh, bad_boxes_and_settings_are_refused) {
     std::vector<Bounds> boxes = random_boxes(10, 3);
     EXPECT_THROW(build_bvh({}, {}), Error);

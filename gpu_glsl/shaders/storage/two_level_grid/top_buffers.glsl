@@ -1,6 +1,7 @@
 // The top level in buffers, the second half of storage/two_level_grid/grid_buffers.glsl: a scene of
 // one instance has none. All of it is made anew when instances move (pack/top_level_update.h).
 #pragma once
+#include "lib/course.glsl"
 
 UBUFFER(top_cells)
 UBUFFER(top_references)   // instances
@@ -11,11 +12,6 @@ UNIFORM(vec3, top_upper)
 UNIFORM(vec3, top_cell)
 UNIFORM(vec3, top_cells_per_unit)
 UNIFORM(vec3, top_dims)
-
-struct Box {
-    vec3 lower;
-    vec3 upper;
-};
 
 Grid fetch_top_grid() {
     return Grid(vec3(0.0), top_lower, top_upper, top_cell, top_cells_per_unit,
@@ -31,7 +27,7 @@ uint fetch_instance_reference(int index) {
 
 Box fetch_instance_box(uint inst_id) {
     int at = int(inst_id) * kInstanceBoxTexels;
-    return Box(vec3(FETCHBUFFER(instance_boxes, at)), vec3(FETCHBUFFER(instance_boxes, at + 1)));
+    return Box(vec3(0.0), vec3(FETCHBUFFER(instance_boxes, at)), vec3(FETCHBUFFER(instance_boxes, at + 1)));
 }
 
 LocalRay to_top_level(Ray ray) {
