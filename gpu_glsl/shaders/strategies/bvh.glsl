@@ -31,10 +31,9 @@ CONSTANT(bool, has_top_level)  // false: one instance, and no tree over it
 
 // What floats found out about one instance, and where they stopped.
 struct Findings {
-    Candidates candidates;  // by their slots
+    Candidates candidates;  // by their slots; a leaf, or what is left of it, is a place
     float start;            // t of the ray where its course begins
     bool is_over;           // the walk went to its end
-    uint rest;              // of the leaf where it stopped, because a third triangle was open
 };
 
 // Walks through the tree of an instance's object, from a node or leaf on, to the end of the stack.
@@ -52,7 +51,6 @@ Findings walk_in_floats(uint inst_id, Ray ray, double t_nearest, uint found, uin
         candidates_before(raised(t_along(course, min(t_nearest, double(ray.tmax)))), found);
     Sight sight = sight_from(course.org, course.dir, box.upper);
     BoxRay boxes = box_ray(course, box);
-    uint rest = reference;
     bool is_over = course.leave < 0.0;
     bool is_walking = !is_over;
     if (is_walking) {
@@ -85,19 +83,18 @@ Findings walk_in_floats(uint inst_id, Ray ray, double t_nearest, uint found, uin
                     // (A triangle is in one leaf alone, and so always new. The only one of an object is
                     // on both sides of the root: doubles are asked twice, and say the same.)
                     Crossing crossing = crossing_of(planes, weights, sight);
-                    if (take_in(uint(slot), true, crossing, candidates)) is_over = any_hit_suffices;
-                    rest = candidates.is_full ? reference : rest;
+                    take_in(uint(slot), reference, true, crossing, candidates);
                 }
                 if (!is_in_leaf) break;
                 reference = without_first_slot(reference);
             }
             // (Where the leaf does not end, the driver ended that loop.)
-            is_walking = !is_over && !candidates.is_full && !is_in_leaf;
+            is_walking = !candidates.is_full && !is_in_leaf;
             if (is_walking) reference = take_up(candidates.behind);
-            is_over = is_over || (is_walking && reference == kBvhNothing);
+            is_over = is_walking && reference == kBvhNothing;
         } while (is_walking && !is_over);
     }
-    return Findings(candidates, course.start, is_over, rest);
+    return Findings(candidates, course.start, is_over);
 }
 
 // Asks whether the triangle in a slot is hit before the nearest so far, and so becomes it. `start`:
@@ -125,7 +122,7 @@ void walk_instance(uint inst_id, Ray ray, INOUT(Nearest) nearest) {
     do {
         uint again = anew(inst_id, uint(stack_size));
         findings = walk_in_floats(again, ray, t_nearest, found, reference);
-        reference = findings.rest;
+        reference = findings.candidates.full_at;
         nearest = before;
         found = kNoId;
         Queue queue = queue_of(findings.candidates);

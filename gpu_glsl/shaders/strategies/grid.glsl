@@ -52,13 +52,12 @@ struct Findings {
     Candidates candidates;
     float start;   // t of the ray where its course begins
     bool is_over;  // the walk went to its end
-    int at;        // if a third triangle was open: it stopped at this place of the list ...
-    float t_exit;  // ... of a cell that the course leaves here
+    float t_exit;  // if a third triangle was open: where the course leaves the cell where it stopped, ...
     vec3 left;     // ... for one with so many cells left, biased
 };
 
 Findings no_findings() {
-    return Findings(candidates_before(0.0, kNoId), 0.0, false, 0, 0.0, vec3(0.0, 0.0, 0.0));
+    return Findings(candidates_before(0.0, kNoId), 0.0, false, 0.0, vec3(0.0, 0.0, 0.0));
 }
 
 // Walks through an instance's grid and tests its triangles, from where an earlier walk stopped, if it
@@ -90,7 +89,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
 
     // The next cell's word is asked for before the triangles of the one at hand are tested.
     bool is_resumed = earlier.candidates.is_full;
-    int at = earlier.at;
+    int at = int(earlier.candidates.full_at);
     float t_exit = earlier.t_exit;
     if (is_resumed) walk.left = earlier.left;
     bool goes_on = is_resumed ? t_exit < min(end, candidates.behind) : !now.is_over;
@@ -139,18 +138,15 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
                     Crossing crossing = crossing_of(planes, weights, sight);
                     bool is_new = prim_id != candidates.found && prim_id != candidates.open &&
                                   prim_id != candidates.other;
-                    if (take_in(prim_id, is_new, crossing, candidates)) {
-                        now.is_over = any_hit_suffices;
-                    }
-                    now.at = candidates.is_full ? at : now.at;
+                    take_in(prim_id, uint(at), is_new, crossing, candidates);
                 }
                 if (!is_in_list) break;
                 count_reference();
                 ++at;
             }
             // (Where the list does not end, the driver ended that loop.)
-            is_walking = !now.is_over && !candidates.is_full && !is_in_list;
-            now.is_over = now.is_over || (is_walking && !(t_exit < min(end, candidates.behind)));
+            is_walking = !candidates.is_full && !is_in_list;
+            now.is_over = is_walking && !(t_exit < min(end, candidates.behind));
         } while (is_walking && !now.is_over);
     }
     now.candidates = candidates;
@@ -199,7 +195,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
     uint found = listed_as(before.hit, inst_id, kNoId);
     Findings findings = no_findings();
     do {
-        uint again = anew(inst_id, uint(findings.at));
+        uint again = anew(inst_id, findings.candidates.full_at);
         findings = walk_in_floats(again, ray, t_first, t_last, t_nearest, found, findings);
         nearest = before;
         uint taken = kNoId;

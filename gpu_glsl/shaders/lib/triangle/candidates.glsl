@@ -16,38 +16,38 @@ struct Candidates {
     uint found;    // the triangle that is hit first, but for those open; or kNoId
     uint open;     // one of which floats cannot tell whether it is hit before that one; or kNoId
     uint other;    // another one
-    float behind;  // what is hit surely beyond this t is behind `found`
-    bool is_full;  // a third one is open, and has no room
+    float behind;  // what is hit surely beyond this t is behind `found`; negative: that answers the ray
+    bool is_full;  // a third one is open, and has no room ...
+    uint full_at;  // ... at this place of the walk
 };
 
 Candidates candidates_before(float behind, uint found) {
-    return Candidates(found, kNoId, kNoId, behind, false);
+    return Candidates(found, kNoId, kNoId, behind, false, 0u);
 }
 
-// Takes in a triangle that the ray may cross, `is_new` if it is no candidate yet. True: it is
-// surely hit, and before the one found so far.
+// Takes in a triangle that the ray may cross at a place of the walk, `is_new` if it is no candidate
+// yet.
 //
 // A hit is sure only if floats know its t to half of kWidth, and counts as known to kWidth: one
 // bound then says where what is behind it begins and, less twice that, where what is surely before
 // it ends.
-bool take_in(uint listed, bool is_new, Crossing crossing, INOUT(Candidates) now) {
+void take_in(uint listed, uint place, bool is_new, Crossing crossing, INOUT(Candidates) now) {
     const float kWidth = 6.103515625e-5;  // 2^-14, in sizes of the object
     bool is_hit = may_be_within(crossing, now.behind) && is_new;
     bool is_clear = crossing.is_sure && crossing.error <= 0.5 * kWidth &&
                     crossing.t + crossing.error < now.behind - 2.0 * kWidth &&
                     crossing.t - crossing.error > 0.0;
-    bool is_found = is_hit && is_clear;
-    if (is_found) {
+    if (is_hit && is_clear) {
         now.found = listed;
-        now.behind = crossing.t + kWidth;
+        now.behind = any_hit_suffices ? -1.0 : crossing.t + kWidth;
     }
     if (is_hit && !is_clear) {
         bool has_room = now.other == kNoId;
+        now.full_at = has_room ? now.full_at : place;
         now.is_full = !has_room;
         now.other = has_room ? now.open : now.other;
         now.open = has_room ? listed : now.open;
     }
-    return is_found;
 }
 
 // ---- In doubles, after the walk ----------------------------------------------------------------
