@@ -13,6 +13,7 @@
 #include "core/error.h"
 #include "core/grid/binning.h"
 #include "core/grid/cell_lists.h"
+#include "core/grid/duplicates.h"
 #include "core/grid/sizing.h"
 #include "core/irregular_grid/stages.h"
 
@@ -47,8 +48,10 @@ CellLists list_by_top_cell(const Object& object, const IrregularGrid& grid) {
     const uvec3& dims = grid.top_dims;
     const double top_per_unit = std::ldexp(1.0 / grid.edge, -static_cast<int>(grid.depth));
     const CellFrame frame{dvec3(grid.bounds.lower), dvec3(top_per_unit), dims};
+    const std::vector<uint8_t> is_dropped = later_duplicates(object);
     return list_by_cell(static_cast<uint32_t>(object.triangles.size()),
                         uint64_t{dims.x} * dims.y * dims.z, [&](uint32_t triangle, auto&& emit) {
+                            if (!is_dropped.empty() && is_dropped[triangle] != 0) return;
                             const uvec3& corners = object.triangles[triangle];
                             const std::array<dvec3, 3> vertices = {
                                 frame.to_cells(object.positions[corners.x]),

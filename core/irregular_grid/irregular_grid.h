@@ -81,7 +81,7 @@ inline constexpr uint32_t kLatticeMost = 1u << 16;
 inline constexpr double kLatticePad = 0x1p-19;
 
 /// Builds a grid over an object's triangles. A triangle's exact surface decides, not its box
-/// (separating axes).
+/// (separating axes). One that equals a lower one is in no cell (core/grid/duplicates.h).
 ///
 /// Cost:   O(references log references) time a level; parallel, the same bits for any thread count.
 /// Throws: Error if there is no triangle, if the box is not finite, or if nodes, cells or

@@ -243,6 +243,18 @@ TEST(IrregularGrid, takes_objects_that_are_flat_or_points_or_far_away) {
     }
 }
 
+TEST(IrregularGrid, names_no_triangle_that_equals_a_lower_one) {
+    Object object = uneven_object(2000);
+    const std::vector<uvec3> once = object.triangles;
+    const IrregularGrid alone = build_irregular_grid(object, {.expansions = 0});
+    for (const uvec3& corners : once) {
+        object.triangles.push_back(uvec3(corners.z, corners.y, corners.x));
+    }
+    const IrregularGrid grid = build_irregular_grid(object, {.expansions = 0});
+    EXPECT_GT(alone.references.size(), once.size());
+    for (const uint32_t triangle : grid.references) ASSERT_LT(triangle, once.size());
+}
+
 TEST(IrregularGrid, lies_in_a_lattice_that_a_cells_words_can_name) {
     for (const double density : {1e-9, 0.12, 50.0}) {
         const IrregularGrid grid =
