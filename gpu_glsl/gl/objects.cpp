@@ -117,16 +117,22 @@ Handle make_buffer(size_t bytes, const void* data) {
 /// bound by").
 Handle make_table(size_t bytes, const void* data) {
     constexpr size_t kLeastSparse = size_t{1} << 20;
-    if (!GLAD_GL_ARB_sparse_buffer || bytes < kLeastSparse) return make_buffer(bytes, data);
+    const bool has_sparse = GLAD_GL_VERSION_4_4 && GLAD_GL_ARB_sparse_buffer;
+    if (!has_sparse || bytes < kLeastSparse) return make_buffer(bytes, data);
     Handle table = generate_buffer();
     glBufferStorage(GL_COPY_WRITE_BUFFER, static_cast<GLsizeiptr>(bytes), nullptr,
                     GL_SPARSE_STORAGE_BIT_ARB | GL_DYNAMIC_STORAGE_BIT);
-    // In pieces, of whole pages: NVIDIA's driver takes seconds over a gibibyte at once.
-    constexpr size_t kPiece = size_t{1} << 26;
-    for (size_t at = 0; at < bytes; at += kPiece) {
+    // In pieces, of whole pages but for the last: NVIDIA's driver takes seconds over a gibibyte at
+    // once.
+    constexpr size_t kAboutAPiece = size_t{1} << 26;
+    const auto page =
+        static_cast<size_t>(std::max<int64_t>(limit(GL_SPARSE_BUFFER_PAGE_SIZE_ARB), 1));
+    const size_t piece = std::max(kAboutAPiece / page, size_t{1}) * page;
+    for (size_t at = 0; at < bytes; at += piece) {
         const auto from = static_cast<GLintptr>(at);
-        const auto size = static_cast<GLsizeiptr>(std::min(kPiece, bytes - at));
+        const auto size = static_cast<GLsizeiptr>(std::min(piece, bytes - at));
         glBufferPageCommitmentARB(GL_COPY_WRITE_BUFFER, from, size, GL_TRUE);
+        check_gl(fmt::format("committing {} bytes of a sparse buffer of {}", size, bytes));
         glBufferSubData(GL_COPY_WRITE_BUFFER, from, size, static_cast<const std::byte*>(data) + at);
     }
     return table;

@@ -17,10 +17,11 @@ struct BvhBuffers {
 
 /// Layouts in gpu_glsl/shaders/storage/bvh/trees.glsl and shared/bvh_layout.h.
 ///
-/// Positions are stored in the frame of their object, without rounding; boxes from its centre,
-/// rounded outwards. `kind`: of nodes and triangles, which a walk fetches; the rest is always read
-/// as textures. Cost:   O(nodes + triangles). Throws: Error naming the buffer, what was asked and
-/// the limit, if the scene does not fit.
+/// Positions are stored in the frame of their object, without rounding; boxes are counted from its
+/// centre and rounded outwards. `kind`: of nodes and triangles, which a walk fetches; the rest is
+/// always read as textures.
+/// Cost:   O(nodes + triangles).
+/// Throws: Error naming the buffer, what was asked and the limit, if the scene does not fit.
 BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh, const TextureLimits& limits,
                             BufferKind kind);
 

@@ -691,6 +691,41 @@ TEST_F(GridStrategy, any_resolution_gives_the_same_hits) {
     }
 }
 
+TEST_F(GridStrategy, a_ray_for_which_a_software_renderer_ends_a_loop_says_so) {
+    // 80,000 triangles in one cell: more than the 65,535 turns that llvmpipe lets a loop have.
+    const Object ball = make_sphere(200, 201);
+    ASSERT_GT(ball.triangles.size(), 65535u);
+    Scene scene;
+    scene.name = "ball";
+    scene.objects = {ball};
+    scene.materials = {Material{}};
+    scene.instances = {Instance{.name = "one", .materials = {0}}};
+    Scene two = scene;
+    two.instances.push_back(two.instances.front());
+    two.instances.back().world_from_object[3] = vec3(0.5f, 0.25f, 0.0f);
+    for (const Scene& made : {scene, two}) {
+        const ScenePtr shared = share(made);
+        const std::vector<Ray> rays = random_rays(scene_bounds(made), 64, 3);
+        const ParamValues params = {{"resolution", "1x1x1"}};
+        const std::vector<Hit> expected =
+            cast(*make("grid/buffer/twin32", shared, params), rays).hits;
+        for (const char* entry : kEntries) {
+            const CastResult result = cast(*make(entry, shared, params), rays);
+            size_t flagged = 0;
+            for (size_t i = 0; i < rays.size(); ++i) {
+                if ((result.flags[i] & kFlagExhausted) != 0) {
+                    ++flagged;
+                } else {
+                    EXPECT_EQ(result.hits[i].t, expected[i].t) << entry << " ray " << i;
+                }
+            }
+            if (context->description().software) {
+                EXPECT_GT(flagged, 0u) << entry;
+            }
+        }
+    }
+}
+
 /// Rays along the edges and across the faces of all instances' boxes, in their very planes, and at
 /// their corners: from two box sizes away, and from one face on.
 std::vector<Ray> rays_along_boxes(const Scene& scene) {

@@ -41,8 +41,8 @@ float guarded(float d) {
     return mix(d, mix(kLeast, -kLeast, d < 0.0), abs(d) < kLeast);
 }
 
-// Where the ray is in the box; enter > leave where it misses. The rounding of t is
-// given to both ends: a box wrongly entered costs a few steps, one wrongly missed costs hits.
+// Where the ray is in the box; enter > leave where it misses. The rounding of t is given to both
+// ends: a box wrongly entered costs a few steps, one wrongly missed costs hits.
 Span span_in_box(vec3 org, vec3 inverse, vec3 lower, vec3 upper) {
     const float kRounding = 4.76837158203125e-7;  // 2^-21: four ulps
     vec3 t_lower = (lower - org) * inverse;

@@ -135,6 +135,7 @@ void walk_instance(uint inst_id, Ray ray, INOUT(Nearest) nearest) {
                 queue = without_first(queue);
             } while (queue.asked != kNoId);
         }
+        if (queue.asked != kNoId) ray_flags |= kFlagExhausted;  // the driver ended that loop
         t_nearest = nearest.t;
         ray = ray_again(ray);
     } while (findings.candidates.is_full && !is_enough(nearest));

@@ -109,7 +109,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
                         if (!now.is_over) cell = fetch_cell(grid, walk);
                     } while (!now.is_over && is_empty_cell(cell));
                 }
-                if (now.is_over) break;
+                if (now.is_over || is_empty_cell(cell)) break;  // (the latter if the driver ended it)
                 count_cell();
                 NOTE_CELL(inst_id, cell_of(grid, walk));
                 at = first_reference(cell);
@@ -209,6 +209,7 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
                 queue = without_first(queue);
             } while (queue.asked != kNoId);
         }
+        if (queue.asked != kNoId) ray_flags |= kFlagExhausted;  // the driver ended that loop
         t_nearest = nearest.t;
         found = listed_as(nearest.hit, inst_id, taken);
         ray = ray_again(ray);
@@ -244,13 +245,14 @@ TopCell top_cell_at(Grid grid, Course course, vec3 inverse, Walk walk) {
                    span_in_box(course.org, inverse, lower, upper));
 }
 
-// Whether the course is in an instance's box anywhere in that part, and before t = `bound`. (Both boxes
-// are wider than what floats lose of the course, so that wherever it meets the instance in this cell
-// it is in both.)
+// Whether the course is in an instance's box anywhere in that part, not before its start and not
+// beyond t = `bound`. (Both boxes are wider than what floats lose of the course, so that wherever
+// it meets the instance in this cell it is in both.)
 bool may_meet(uint inst_id, Course course, vec3 inverse, Span part, float bound) {
     Box box = fetch_instance_box(inst_id);
     Span span = span_in_box(course.org, inverse, box.lower, box.upper);
-    return greater(span.enter, part.enter) <= lesser(span.leave, lesser(part.leave, bound));
+    float enter = greater(span.enter, greater(part.enter, 0.0));
+    return enter <= lesser(span.leave, lesser(part.leave, bound));
 }
 
 // What a walk through the top level came to.
@@ -260,7 +262,7 @@ struct Visit {
     bool is_over;  // or its end
 };
 
-// On to an instance that the ray may meet: nine in ten are only in the same cell.
+// On to an instance that the ray may meet. Most are only in the same cell (balls-1: nine in ten).
 Visit next_visit(Grid grid, Course course, vec3 inverse, uint octant, float bound, INOUT(Walk) walk,
                  INOUT(TopCell) cell) {
     Visit visit = Visit(kNoId, false, false);
