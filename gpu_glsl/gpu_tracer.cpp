@@ -30,6 +30,7 @@ class GpuTracer final : public Tracer {
           library_(library),
           context_(context),
           glsl_version_(glsl_version_for(prepared_.info, entry, context.description().gl)) {
+        prepared_.loops_are_cut = context.description().software;
         for (const TextureData& texture : prepared_.inputs.textures) {
             textures_.push_back(upload_texture(texture));
         }

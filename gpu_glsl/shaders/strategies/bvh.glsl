@@ -23,6 +23,7 @@
 // 4. There doubles decide (lib/triangle/decide.glsl).
 #pragma once
 #include "lib/bvh/descent.glsl"
+#include "lib/loops.glsl"
 #include "lib/triangle/candidates.glsl"
 
 CONSTANT(bool, has_top_level)  // false: one instance, and no tree over it
@@ -135,7 +136,6 @@ void walk_instance(uint inst_id, Ray ray, INOUT(Nearest) nearest) {
                 queue = without_first(queue);
             } while (queue.asked != kNoId);
         }
-        if (queue.asked != kNoId) ray_flags |= kFlagExhausted;  // the driver ended that loop
         t_nearest = nearest.t;
         ray = ray_again(ray);
     } while (findings.candidates.is_full && !is_enough(nearest));
@@ -189,6 +189,7 @@ Hit closest_hit(Ray ray) {
         if (has_top_level) walk_scene(ray, nearest);
 #endif
     }
+    if (is_cut(ray)) ray_flags |= kFlagExhausted;
     if (is_hit(nearest.hit)) NOTE_HIT(nearest.hit);
     return nearest.hit;
 }

@@ -26,6 +26,7 @@
 // 6. Where it can have, doubles decide (lib/triangle/decide.glsl).
 #pragma once
 #include "lib/grid/walk.glsl"
+#include "lib/loops.glsl"
 #include "lib/triangle/candidates.glsl"
 #include "lib/triangle/decide_in_floats.glsl"
 
@@ -209,7 +210,6 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
                 queue = without_first(queue);
             } while (queue.asked != kNoId);
         }
-        if (queue.asked != kNoId) ray_flags |= kFlagExhausted;  // the driver ended that loop
         t_nearest = nearest.t;
         found = listed_as(nearest.hit, inst_id, taken);
         ray = ray_again(ray);
@@ -331,6 +331,7 @@ Hit closest_hit(Ray ray) {
         if (has_top_level) walk_scene(ray, nearest);
 #endif
     }
+    if (is_cut(ray)) ray_flags |= kFlagExhausted;
     if (is_hit(nearest.hit)) NOTE_HIT(nearest.hit);
     return nearest.hit;
 }
