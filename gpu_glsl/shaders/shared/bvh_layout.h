@@ -23,6 +23,6 @@ const int kBvhTriangleTexels = 3;
 // corner.
 const int kBvhBoxTexels = 3;
 
-// Of the stack: of 40 and 24 levels of two trees (core/bvh/bvh.h), and what ends either walk. (A macro:
-// in a twin a constant is a member of a class, of which no array can take its size.)
+// Of the stack: of 40 and 24 levels of two trees (core/bvh/bvh.h), and what ends either walk. (A
+// macro: in a twin a constant is a member of a class, of which no array can take its size.)
 #define BVH_STACK_ENTRIES 66

@@ -30,6 +30,6 @@ const uint kMoreReferences = 0x80000000u;
 // coordinates as fourth numbers; then the trailing parts, with the origin's.
 const int kInstanceRowTexels = 6;
 
-// Floats: the lower and upper corner of an instance's box in the frame of the top level, moved outwards
-// by the lists' pad (1 / kListPadsACell of a cell of the top level).
+// Floats: the lower and upper corner of an instance's box in the frame of the top level, moved
+// outwards by the lists' pad (1 / kListPadsACell of a cell of the top level).
 const int kInstanceBoxTexels = 2;

@@ -61,7 +61,8 @@ Findings walk_in_floats(uint inst_id, Ray ray, double t_nearest, uint found, uin
                 do {
                     count_cell();
                     NOTE_CELL(inst_id, ivec3(int(node_index(reference)), 0, 0));
-                    reference = step_down(fetch_node(node_index(reference)), boxes, candidates.behind);
+                    Node node = fetch_node(node_index(reference));
+                    reference = step_down(node, boxes, candidates.behind);
                 } while (is_inner(reference));
             }
             is_over = reference == kBvhNothing;
@@ -81,8 +82,9 @@ Findings walk_in_floats(uint inst_id, Ray ray, double t_nearest, uint found, uin
                 Planes planes = fetch_planes(slot);
                 Weights weights = weights_of(planes, sight);
                 if (may_cross(weights, sight)) {
-                    // (A triangle is in one leaf alone, and so always new. The only one of an object is
-                    // on both sides of the root: doubles are asked twice, and say the same.)
+                    // (A triangle is in one leaf alone, and so always new. The only one of an
+                    // object is on both sides of the root: doubles are asked twice, and say the
+                    // same.)
                     Crossing crossing = crossing_of(planes, weights, sight);
                     take_in(uint(slot), reference, true, crossing, candidates);
                 }

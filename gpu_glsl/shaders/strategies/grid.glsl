@@ -12,15 +12,15 @@
 //! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
 //! param: specialise integer 1 leave out what the scene lacks; 0: one shader for all scenes
 
-// A grid tracer that loses nothing and wastes little: the same two levels as the paper's, with every
-// place where rounding could lose, invent or swap a hit closed.
+// A grid tracer that loses nothing and wastes little: the same two levels as the paper's, with
+// every place where rounding could lose, invent or swap a hit closed.
 //
 // 1. All of a grid is stored in the grid's own frame, exactly, and the ray is brought there in
 //    doubles (storage/two_level_grid/grid_buffers.glsl).
 // 2. The ray's origin is moved to where it enters the grid, so that rounding goes with the grid's
 //    size and not with the ray's length. From there on all numbers are floats.
-// 3. Cells are whole numbers, their planes are computed, not added up, and empty space is crossed at once
-//    (lib/grid/walk.glsl).
+// 3. Cells are whole numbers, their planes are computed, not added up, and empty space is crossed
+//    at once (lib/grid/walk.glsl).
 // 4. A hit counts wherever it lies; the walk ends when the nearest is not beyond the cell's end.
 // 5. The triangle test says by how much rounding can have decided (lib/triangle/rule_out.glsl).
 // 6. Where it can have, doubles decide (lib/triangle/decide.glsl).
@@ -30,8 +30,9 @@
 #include "lib/triangle/candidates.glsl"
 #include "lib/triangle/decide_in_floats.glsl"
 
-// Invocations of a group that casts rays (entry/cast_compute.glsl). The compiler of an H100 (driver 580)
-// settles for fewer registers if there are two warps: more of them run, and the longer texts spill.
+// Invocations of a group that casts rays (entry/cast_compute.glsl). The compiler of an H100 (driver
+// 580) settles for fewer registers if there are two warps: more of them run, and the longer texts
+// spill.
 #if NEEDS(has_top_level)
 #define GROUP_SIZE 32
 #else
@@ -53,7 +54,7 @@ struct Findings {
     Candidates candidates;
     float start;   // t of the ray where its course begins
     bool is_over;  // the walk went to its end
-    float t_exit;  // if a third triangle was open: where the course leaves the cell where it stopped, ...
+    float t_exit;  // if a third triangle was open: where the course leaves the cell it stopped in, ...
     vec3 left;     // ... for one with so many cells left, biased
 };
 
@@ -61,14 +62,14 @@ Findings no_findings() {
     return Findings(candidates_before(0.0, kNoId), 0.0, false, 0.0, vec3(0.0, 0.0, 0.0));
 }
 
-// Walks through an instance's grid and tests its triangles, from where an earlier walk stopped, if it
-// did. What begins behind t = `t_nearest`, the nearest hit's so far, is not looked at; on this
+// Walks through an instance's grid and tests its triangles, from where an earlier walk stopped, if
+// it did. What begins behind t = `t_nearest`, the nearest hit's so far, is not looked at; on this
 // instance that is the hit on triangle `found`.
 //
 // It returns at its end only, and gives every variable a value before any branch: one that a branch
-// alone sets is kept, by compilers that cannot tell, in registers all round the loop that calls this.
-// Loops ask at their end whether to turn: a software renderer has no other jumps, and goes through one
-// that asks at its beginning once more than it turns.
+// alone sets is kept, by compilers that cannot tell, in registers all round the loop that calls
+// this. Loops ask at their end whether to turn: a software renderer has no other jumps, and goes
+// through one that asks at its beginning once more than it turns.
 Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, double t_nearest,
                         uint found, Findings earlier) {
     Findings now = no_findings();
@@ -110,7 +111,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
                         if (!now.is_over) cell = fetch_cell(grid, walk);
                     } while (!now.is_over && is_empty_cell(cell));
                 }
-                if (now.is_over || is_empty_cell(cell)) break;  // (the latter if the driver ended it)
+                if (now.is_over || is_empty_cell(cell)) break;  // (the driver ended it)
                 count_cell();
                 NOTE_CELL(inst_id, cell_of(grid, walk));
                 at = first_reference(cell);
@@ -119,10 +120,10 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
             }
             is_resumed = false;
 
-            // Its triangles. A hit that answers the ray does not end this loop, and a third open triangle
-            // only a turn later: a CPU, which guesses at the loop's end, then learns early whether it was
-            // right. Which one is next is asked for before the one at hand is fetched; behind the last list
-            // lies a word for that.
+            // Its triangles. A hit that answers the ray does not end this loop, and a third open
+            // triangle only a turn later: a CPU, which guesses at the loop's end, then learns early
+            // whether it was right. Which one is next is asked for before the one at hand is
+            // fetched; behind the last list lies a word for that.
             uint next = fetch_triangle_reference(at);
             bool is_in_list = true;
             for (;;) {
@@ -156,8 +157,8 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
     return now;
 }
 
-// Asks whether a triangle is hit before the nearest so far, and so becomes it. `start`: of the course;
-// `listed`: what the walk's lists call the triangle.
+// Asks whether a triangle is hit before the nearest so far, and so becomes it. `start`: of the
+// course; `listed`: what the walk's lists call the triangle.
 bool decide_on(uint inst_id, Ray ray, float start, uint listed, INOUT(Nearest) nearest) {
     Name name = named(inst_id, listed);
     SharpHit sharp;
@@ -165,7 +166,8 @@ bool decide_on(uint inst_id, Ray ray, float start, uint listed, INOUT(Nearest) n
     if (decide == kInFloats) {
         Grid grid = fetch_walked_grid(inst_id);
         Course course = course_in(grid, to_walked_grid(inst_id, ray), ray.tmin, ray.tmax);
-        sharp = blunt_hit(sight_from(course.org, course.dir, grid.upper), fetch_planes(grid, listed));
+        Sight sight = sight_from(course.org, course.dir, grid.upper);
+        sharp = blunt_hit(sight, fetch_planes(grid, listed));
         t = double(start) + sharp.t * inverse_of_power(course.length_of_t);
     } else {
         Grid grid = fetch_grid(fetch_grid_of_instance(name.inst_id));
@@ -187,8 +189,8 @@ DECLARE(Ray ray_again(Ray ray))
 // (lib/triangle/candidates.glsl). A walk that decided on its way would pay for it at every test: a
 // software renderer goes through both sides of a branch, and a GPU keeps registers for both.
 //
-// A GPU runs as many rays at once as their registers allow, so that the walk should keep nothing for
-// the decision, nor the decision for a walk that seldom goes on. Hence `anew`.
+// A GPU runs as many rays at once as their registers allow, so that the walk should keep nothing
+// for the decision, nor the decision for a walk that seldom goes on. Hence `anew`.
 void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nearest) nearest) {
     // (After each walk the nearest is made anew, so that a walk need not keep it.)
     Nearest before = nearest;

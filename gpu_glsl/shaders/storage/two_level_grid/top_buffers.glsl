@@ -27,7 +27,8 @@ uint fetch_instance_reference(int index) {
 
 Box fetch_instance_box(uint inst_id) {
     int at = int(inst_id) * kInstanceBoxTexels;
-    return Box(vec3(0.0), vec3(FETCHBUFFER(instance_boxes, at)), vec3(FETCHBUFFER(instance_boxes, at + 1)));
+    vec3 lower = vec3(FETCHBUFFER(instance_boxes, at));
+    return Box(vec3(0.0), lower, vec3(FETCHBUFFER(instance_boxes, at + 1)));
 }
 
 LocalRay to_top_level(Ray ray) {
