@@ -727,7 +727,7 @@ TEST_F(GridStrategy, a_ray_for_which_a_software_renderer_ends_a_loop_says_so) {
 }
 
 /// Rays along the edges and across the faces of all instances' boxes, in their very planes, and at
-/// their corners: from two box sizes away, and from one face on.
+/// their corners: from far away, from two box sizes away, and from one face on.
 std::vector<Ray> rays_along_boxes(const Scene& scene) {
     std::vector<Ray> rays;
     for (const Bounds& box : instance_bounds(scene)) {
@@ -742,6 +742,7 @@ std::vector<Ray> rays_along_boxes(const Scene& scene) {
             if (way == vec3(0.0f)) continue;
             rays.push_back({from, 0.0f, way, kInfinity});
             rays.push_back({from - 2.0f * way, 0.0f, way, kInfinity});
+            rays.push_back({from - 3e4f * way, 0.0f, way, kInfinity});
         }
     }
     return rays;
@@ -769,7 +770,7 @@ TEST_F(GridStrategy, an_instance_whose_box_is_missed_is_not_walked_through_and_n
         std::vector<Ray> rays = rays_along_boxes(made);
         const std::vector<Ray> others = random_rays(scene_bounds(made), 2500, 7);
         rays.insert(rays.end(), others.begin(), others.end());
-        for (const char* top : {"1x1x1", "9x4x7"}) {
+        for (const char* top : {"1x1x1", "9x4x7", "1024x1x300"}) {
             const ParamValues one_by_one = {{"top_resolution", top}, {"test_boxes", "0"}};
             const auto every = make("grid/buffer/twin32", scene, one_by_one);
             const auto tested = make("grid/buffer/twin32", scene, {{"top_resolution", top}});
