@@ -210,8 +210,9 @@ TextureData pack_instance_rows(const Scene& scene, std::span<const Affine> world
                            BufferKind::texture);
 }
 
-/// `origin`: of the top level's frame, where no coordinate is larger than twice the extent. Rounding to
-/// floats moves a corner by an ulp of the extent at most: 1/16 of the pad at 1,024 cells an axis.
+/// `origin`: of the top level's frame, where no coordinate is larger than twice the extent.
+/// Rounding to floats moves a corner by an ulp of the extent at most: 1/16 of the pad at 1,024
+/// cells an axis.
 TextureData pack_instance_boxes(std::span<const Bounds> boxes, const dvec3& origin,
                                 const dvec3& top_cell, const TextureLimits& limits) {
     TextureData packed =

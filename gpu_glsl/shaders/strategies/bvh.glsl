@@ -91,7 +91,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, double t_nearest, uint found, uin
                 if (!is_in_leaf) break;
                 reference = without_first_slot(reference);
             }
-            // (Where the leaf does not end, the driver ended that loop.)
+            // (Whether a leaf was read to its end, a cut loop may not tell: lib/loops.glsl does.)
             is_walking = !candidates.is_full && !is_in_leaf;
             if (is_walking) reference = take_up(candidates.behind);
             is_over = is_walking && reference == kBvhNothing;

@@ -146,7 +146,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
                 count_reference();
                 ++at;
             }
-            // (Where the list does not end, the driver ended that loop.)
+            // (Whether a list was read to its end, a cut loop may not tell: lib/loops.glsl does.)
             is_walking = !candidates.is_full && !is_in_list;
             now.is_over = is_walking && !(t_exit < min(end, candidates.behind));
         } while (is_walking && !now.is_over);
