@@ -317,11 +317,15 @@ std::vector<Bounds> instance_bounds(const Scene& scene) {
     std::vector<Bounds> boxes;
     boxes.reserve(scene.objects.size());
     for (const Object& object : scene.objects) boxes.push_back(object_bounds(object));
+    return instance_bounds(scene, boxes);
+}
 
+std::vector<Bounds> instance_bounds(const Scene& scene, std::span<const Bounds> object_boxes) {
     std::vector<Bounds> result;
     result.reserve(scene.instances.size());
     for (const Instance& instance : scene.instances) {
-        result.push_back(transform_bounds(instance.world_from_object, boxes[instance.object]));
+        const Bounds& box = object_boxes[instance.object];
+        result.push_back(transform_bounds(instance.world_from_object, box));
     }
     return result;
 }

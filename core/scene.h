@@ -5,6 +5,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -100,8 +101,9 @@ uint64_t instanced_triangle_count(const Scene& scene);
 
 Bounds object_bounds(const Object& object);
 
-/// World-space boxes of all instances, in order.
+/// World-space boxes of all instances, in order. `object_boxes`: where they are known already.
 std::vector<Bounds> instance_bounds(const Scene& scene);
+std::vector<Bounds> instance_bounds(const Scene& scene, std::span<const Bounds> object_boxes);
 Bounds scene_bounds(const Scene& scene);
 
 /// The index of the group that holds triangle `prim_id`. Cost: O(log groups).

@@ -83,6 +83,7 @@ const uint64_t* EmptyCubes::row(const Level& level, int64_t y, int64_t z) const 
 }
 
 EmptyCubes::Level EmptyCubes::first_level(const UniformGrid& grid) const {
+    constexpr uint32_t kRun = 8;  // cells looked at together first: most are empty
     Level level{.edges = uvec3(1), .rows = uvec2(dims_.y, dims_.z), .bits = {}};
     level.bits.resize(pitch_ * level.rows.x * level.rows.y);
     for_each_row_of(level.rows, [&](uint32_t y, uint32_t z) {
@@ -93,8 +94,12 @@ EmptyCubes::Level EmptyCubes::first_level(const UniformGrid& grid) const {
         for (uint32_t first = 0; first < dims_.x; first += kWordBits) {
             const uint32_t count = std::min(dims_.x - first, kWordBits);
             uint64_t full = 0;
-            for (uint32_t k = 0; k < count; ++k) {
-                full |= uint64_t{begin[first + k] != begin[first + k + 1]} << k;
+            for (uint32_t k = 0; k < count; k += kRun) {
+                const uint32_t end = std::min(k + kRun, count);
+                if (begin[first + k] == begin[first + end]) continue;  // all of them are empty
+                for (uint32_t i = k; i < end; ++i) {
+                    full |= uint64_t{begin[first + i] != begin[first + i + 1]} << i;
+                }
             }
             out[first / kWordBits] = ~full;
         }
@@ -144,21 +149,28 @@ void EmptyCubes::row_words(uint32_t y, uint32_t z, uint32_t* words) const {
     for (uint32_t first = 0; first < dims_.x; first += kWordBits) {
         const size_t at = first / kWordBits;
         const uint32_t count = std::min(dims_.x - first, kWordBits);
-        std::array<uint64_t, 32> planes = {};  // bit k of the words of 64 cells
-        uint64_t all = ~uint64_t{0};           // whether all cubes are the greatest
+        const auto are_empty = [&](uint32_t octant, size_t k) {
+            const uint32_t x_last = (octant & 1) != 0 ? levels_[k].edges.x - 1 : 0;
+            return bits_from(rows[octant / 2][k - 1] + at, x_last);
+        };
+        // Far from everything all cubes are the greatest.
+        std::array<uint64_t, 8> greatest;
+        uint64_t all = ~uint64_t{0};
         for (uint32_t octant = 0; octant < 8; ++octant) {
-            std::array<uint64_t, kEdges - 1> is_empty;
-            for (size_t k = 1; k < kEdges; ++k) {
-                const uint32_t x_last = (octant & 1) != 0 ? levels_[k].edges.x - 1 : 0;
-                is_empty[k - 1] = bits_from(rows[octant / 2][k - 1] + at, x_last);
-            }
-            put_code_bits(is_empty, &planes[empty_cube_shift(octant)]);
-            all &= is_empty.back();
+            greatest[octant] = are_empty(octant, kEdges - 1);
+            all &= greatest[octant];
         }
         constexpr uint32_t kAllGreatest = kEmptyCellBit | ((1u << empty_cube_shift(8)) - 1);
         if (~all == 0) {
             std::fill_n(words + first, count, kAllGreatest);
             continue;
+        }
+        std::array<uint64_t, 32> planes = {};  // bit k of the words of 64 cells
+        for (uint32_t octant = 0; octant < 8; ++octant) {
+            std::array<uint64_t, kEdges - 1> is_empty;
+            for (size_t k = 1; k + 1 < kEdges; ++k) is_empty[k - 1] = are_empty(octant, k);
+            is_empty.back() = greatest[octant];
+            put_code_bits(is_empty, &planes[empty_cube_shift(octant)]);
         }
         planes[31] = empty[at];
         transpose(planes);

@@ -11,9 +11,10 @@ namespace onepass {
 /// References of `top` are indices into Scene::instances, those of objects[k] into the triangles of
 /// Scene::objects[k].
 struct TwoLevelGrid {
-    UniformGrid top;                   ///< world space
-    std::vector<UniformGrid> objects;  ///< object space
-    double build_ms = 0.0;             ///< wall time of the build
+    UniformGrid top;                     ///< world space
+    std::vector<UniformGrid> objects;    ///< object space
+    std::vector<Bounds> instance_boxes;  ///< those that `top` is over
+    double build_ms = 0.0;               ///< wall time of the build
 };
 
 /// Cost: the sum of its grids. Throws: as build_box_grid, build_triangle_grid, check_object_count.

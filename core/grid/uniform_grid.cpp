@@ -103,22 +103,26 @@ UniformGrid build_box_grid(std::span<const Bounds> boxes, const GridSizing& sizi
 
 UniformGrid build_triangle_grid(const Object& object, const GridSizing& sizing,
                                 Duplicates duplicates) {
+    return build_triangle_grid(object, object_bounds(object), sizing, duplicates);
+}
+
+UniformGrid build_triangle_grid(const Object& object, const Bounds& box, const GridSizing& sizing,
+                                Duplicates duplicates) {
     check_primitive_count(object.triangles.size(), fmt::format("object '{}'", object.name));
     check_positions(object);
     ++triangle_grid_count;
     const std::vector<uint8_t> is_dropped =
         duplicates == Duplicates::dropped ? later_duplicates(object) : std::vector<uint8_t>{};
 
-    return build_grid(object_bounds(object), object.triangles.size(), sizing,
-                      [&](const CellFrame& frame, uint32_t i, auto&& emit) {
-                          if (!is_dropped.empty() && is_dropped[i] != 0) return;
-                          const uvec3& corners = object.triangles[i];
-                          const std::array<dvec3, 3> vertices = {
-                              frame.to_cells(object.positions[corners.x]),
-                              frame.to_cells(object.positions[corners.y]),
-                              frame.to_cells(object.positions[corners.z])};
-                          for_each_overlapped_row(vertices, frame.dims, emit);
-                      });
+    return build_grid(
+        box, object.triangles.size(), sizing, [&](const CellFrame& frame, uint32_t i, auto&& emit) {
+            if (!is_dropped.empty() && is_dropped[i] != 0) return;
+            const uvec3& corners = object.triangles[i];
+            const std::array<dvec3, 3> vertices = {frame.to_cells(object.positions[corners.x]),
+                                                   frame.to_cells(object.positions[corners.y]),
+                                                   frame.to_cells(object.positions[corners.z])};
+            for_each_overlapped_row(vertices, frame.dims, emit);
+        });
 }
 
 uint64_t triangle_grids_built() { return triangle_grid_count; }

@@ -60,6 +60,9 @@ enum class Duplicates { kept, dropped };
 /// Source: Adinetz & Berezin, section 3 (second-level subdivision); Akenine-Moller 2001.
 UniformGrid build_triangle_grid(const Object& object, const GridSizing& sizing,
                                 Duplicates duplicates = Duplicates::kept);
+/// `box`: object_bounds(object), where that is known already.
+UniformGrid build_triangle_grid(const Object& object, const Bounds& box, const GridSizing& sizing,
+                                Duplicates duplicates);
 
 /// How many triangle grids this process has built so far, on all threads: "moving an instance
 /// rebuilds no object grid" is counted with it, not inferred.
