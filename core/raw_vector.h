@@ -63,4 +63,10 @@ struct RawAllocator {
 template <class T>
 using RawVector = std::vector<T, RawAllocator<T>>;
 
+/// Gives a vector's memory back. (`vector = {}` keeps it: it assigns a list of no elements.)
+template <class T, class Allocator>
+void give_back(std::vector<T, Allocator>& vector) {
+    std::vector<T, Allocator>().swap(vector);
+}
+
 }  // namespace onepass

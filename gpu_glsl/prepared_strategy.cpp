@@ -517,7 +517,7 @@ std::vector<gl::ShaderConstant> PreparedStrategy::constants(bool count_work,
                                                             const SceneNeeds* needs,
                                                             Query query) const {
     std::vector<gl::ShaderConstant> all = {{"count_work", count_work},
-                                           {"loops_are_cut", loops_are_cut},
+                                           {"is_software", is_software},
                                            {"any_query", query == Query::any && answers_any()}};
     if (!has(params, "any_hit")) all.push_back({"any_hit", 0});
     all.insert(all.end(), param_constants.begin(), param_constants.end());

@@ -28,8 +28,8 @@ struct PreparedStrategy {
     std::vector<Stat> stats;
     /// What moving takes; nothing: it does not move.
     std::variant<std::monostate, MovingTopLevel, MovingTopBuffers> moving;
-    /// Whether the device that is to run it ends loops that turn long (shaders/lib/loops.glsl).
-    bool loops_are_cut = false;
+    /// Whether a software renderer is to run it (shaders/lib/renderer.glsl, loops.glsl).
+    bool is_software = false;
 
     /// The roots of a shader: storage, strategy, then the entry.
     std::vector<std::string> files_with(const std::string& entry_file) const;

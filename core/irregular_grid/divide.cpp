@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "core/irregular_grid/stages.h"
+#include "core/raw_vector.h"
 
 namespace onepass {
 namespace {
@@ -91,7 +92,7 @@ class Divider {
         if (count > room || !pays(division, references.size())) {
             return cell(lower, size_bits, std::move(references));
         }
-        references = {};
+        give_back(references);
 
         // The parts by themselves, then side by side.
         constexpr size_t kReferencesATask = 1 << 14;

@@ -14,6 +14,7 @@
 #include "core/error.h"
 #include "core/grid/duplicates.h"
 #include "core/grid/two_level_grid.h"
+#include "core/storage_order.h"
 #include "gpu_glsl/pack/barycentric_planes.h"
 
 namespace onepass {
@@ -27,11 +28,18 @@ const Object& object_of(const Scene& scene, const Instance& instance) {
     return scene.objects[instance.object];
 }
 
-/// All triangles but those that equal a lower one.
+std::vector<uint32_t> in_order_of_storage(const Object& object) {
+    const RawVector<uint32_t> slots = storage_slots(object, object_bounds(object));
+    std::vector<uint32_t> triangles(slots.size());
+    for (uint32_t i = 0; i < slots.size(); ++i) triangles[slots[i]] = i;
+    return triangles;
+}
+
+/// All triangles but those that equal a lower one, in the order of storage.
 std::vector<uint32_t> without_duplicates(const Object& object) {
     const std::vector<uint8_t> is_dropped = later_duplicates(object);
     std::vector<uint32_t> listed;
-    for (uint32_t i = 0; i < object.triangles.size(); ++i) {
+    for (const uint32_t i : in_order_of_storage(object)) {
         if (is_dropped.empty() || is_dropped[i] == 0) listed.push_back(i);
     }
     return listed;
@@ -135,11 +143,13 @@ RawVector<float> pack_planes(const FlatGrid& flat, const Scene& scene) {
     return planes;
 }
 
-TextureData pack_names(const FlatGrid& flat, const Scene& scene, const TextureLimits& limits) {
+/// `slots`: of each object's triangles, in the tables that decisions rest on.
+TextureData pack_names(const FlatGrid& flat, const Scene& scene,
+                       std::span<const RawVector<uint32_t>> slots, const TextureLimits& limits) {
     TextureData names = make_word_buffer("flat_names", "triangles", flat.first.back(), 2, limits);
     for_each_triangle(flat, scene, [&](size_t at, uint32_t inst_id, uint32_t prim_id) {
         names.words[2 * at] = inst_id;
-        names.words[2 * at + 1] = prim_id;
+        names.words[2 * at + 1] = slots[scene.instances[inst_id].object][prim_id];
     });
     return names;
 }
@@ -159,7 +169,8 @@ std::vector<UniformData> flat_uniforms(const FlatGrid& flat) {
 /// What frames and instances are packed from: grids of one cell where those of `grid` lie.
 TwoLevelGrid grids_around(const Scene& scene) {
     TwoLevelGrid around;
-    around.top = build_box_grid(instance_bounds(scene), {.resolution = uvec3(1)});
+    around.instance_boxes = instance_bounds(scene);
+    around.top = build_box_grid(around.instance_boxes, {.resolution = uvec3(1)});
     for (const Object& object : scene.objects) {
         UniformGrid& grid = around.objects.emplace_back();
         grid.bounds = padded_bounds(object_bounds(object));
@@ -232,7 +243,7 @@ TwoLevelBuffers pack_flat_grid_buffers(const Scene& scene, FlatGrid flat,
         word_buffer_of("references", "references", std::move(grid.references), limits, kind);
     inputs.texture("planes") =
         float_buffer_of("planes", "triangles", pack_planes(flat, scene), limits, kind);
-    inputs.textures.push_back(pack_names(flat, scene, limits));
+    inputs.textures.push_back(pack_names(flat, scene, packed.slots, limits));
 
     packed.stats = {{"triangles", static_cast<double>(flat.first.back()), "of all instances"},
                     {"cells", static_cast<double>(packed.object_cells), ""},

@@ -73,12 +73,14 @@ void put_cells(uint32_t* out, const IrregularGrid& grid, const Place& at) {
     });
 }
 
-void put_references(uint32_t* out, const IrregularGrid& grid) {
+/// `slots`: of the triangles, in the tables.
+void put_references(uint32_t* out, const IrregularGrid& grid, std::span<const uint32_t> slots) {
     for_each(grid.cells.size(), [&](size_t i) {
         const IrregularCell& cell = grid.cells[i];
         for (uint32_t k = 0; k < cell.count; ++k) {
             const bool is_last = k + 1 == cell.count;
-            out[cell.first + k] = grid.references[cell.first + k] | (is_last ? 0 : kMoreReferences);
+            const uint32_t slot = slots[grid.references[cell.first + k]];
+            out[cell.first + k] = slot | (is_last ? 0 : kMoreReferences);
         }
     });
 }
@@ -114,7 +116,8 @@ TwoLevelIrregularGrid build_two_level_irregular_grid(const Scene& scene,
         if (!densities.empty()) own.density = densities[k];
         grid.objects[k] = build_irregular_grid(scene.objects[k], own);
     });
-    grid.around.top = build_box_grid(instance_bounds(scene), top);
+    grid.around.instance_boxes = instance_bounds(scene);
+    grid.around.top = build_box_grid(grid.around.instance_boxes, top);
     for (const IrregularGrid& object : grid.objects) {
         UniformGrid& around = grid.around.objects.emplace_back();
         around.bounds = object.bounds;
@@ -141,7 +144,6 @@ TwoLevelBuffers pack_irregular_grid_buffers(const Scene& scene, TwoLevelIrregula
     for (size_t k = 0; k < grid.objects.size(); ++k) {
         put_nodes(&nodes.words[places[k].node], grid.objects[k], places[k]);
         put_cells(&cells.words[4 * places[k].cell], grid.objects[k], places[k]);
-        put_references(references.words.data() + places[k].reference, grid.objects[k]);
     }
 
     // All else as the two-level grid has it, around grids of one cell, which these take the place
@@ -150,6 +152,10 @@ TwoLevelBuffers pack_irregular_grid_buffers(const Scene& scene, TwoLevelIrregula
     const uint64_t top_references = grid.around.top.references.size();
     TwoLevelBuffers packed = pack_two_level_buffers(scene, std::move(grid.around), limits, kind);
     ShaderInputs& inputs = packed.inputs;
+    for (size_t k = 0; k < grid.objects.size(); ++k) {
+        put_references(references.words.data() + places[k].reference, grid.objects[k],
+                       packed.slots[k]);
+    }
     inputs.texture("cells") = std::move(cells);
     inputs.texture("references") = std::move(references);
     inputs.textures.push_back(std::move(nodes));

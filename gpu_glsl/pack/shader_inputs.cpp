@@ -146,11 +146,14 @@ TextureData float_buffer_of(const std::string& name, const std::string& what,
 }
 
 TextureData word_buffer_of(const std::string& name, const std::string& what,
-                           RawVector<uint32_t> words, const TextureLimits& limits,
-                           BufferKind kind) {
+                           RawVector<uint32_t> words, const TextureLimits& limits, BufferKind kind,
+                           int channels) {
     ONEPASS_CHECK_LT(0u, words.size());
-    TextureData buffer = make_buffer(name, what, words.size(), sizeof(uint32_t), limits, kind);
-    buffer.channels = 1;
+    const auto a_texel = static_cast<size_t>(channels);
+    ONEPASS_CHECK_EQ(words.size() % a_texel, 0u);
+    TextureData buffer =
+        make_buffer(name, what, words.size() / a_texel, a_texel * sizeof(uint32_t), limits, kind);
+    buffer.channels = channels;
     buffer.format = ChannelFormat::word;
     buffer.words = std::move(words);
     return buffer;

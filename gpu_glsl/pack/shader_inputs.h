@@ -109,11 +109,12 @@ TextureData make_word_buffer(const std::string& name, const std::string& what, u
                              int channels, const TextureLimits& limits,
                              BufferKind kind = BufferKind::texture);
 
-/// The same of numbers that are there: of four floats a texel, and of one integer.
+/// The same of numbers that are there: of four floats a texel, and of one integer or more.
 TextureData float_buffer_of(const std::string& name, const std::string& what,
                             RawVector<float> texels, const TextureLimits& limits, BufferKind kind);
 TextureData word_buffer_of(const std::string& name, const std::string& what,
-                           RawVector<uint32_t> words, const TextureLimits& limits, BufferKind kind);
+                           RawVector<uint32_t> words, const TextureLimits& limits, BufferKind kind,
+                           int channels = 1);
 
 /// The texel where record `index` of such a texture begins.
 uvec2 record_texel(uvec3 texture_size, uint64_t index, uint32_t texels_per_record);

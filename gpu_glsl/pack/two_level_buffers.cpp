@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -26,6 +25,9 @@ std::vector<uint64_t> starts_of(const std::vector<UniformGrid>& grids, const Cou
     return starts;
 }
 
+/// Of a triangle: those of its vertices, and its own number.
+constexpr int kCornersWords = 4;
+
 /// What the shader decodes is what core/grid encodes.
 constexpr bool same_empty_cube_edges() {
     for (size_t code = 0; code < kEmptyCubeEdges.size(); ++code) {
@@ -39,15 +41,20 @@ static_assert(kEmptyCell == kEmptyCellBit);
 static_assert(kListPadsACell * kBinningPad == 1.0);
 
 /// Turns the references of a grid into words (shared/grid_buffers_layout.h).
-void references_to_words(UniformGrid& grid) {
+void references_to_words(UniformGrid& grid, std::span<const uint32_t> slots) {
     constexpr size_t kCellsATask = 1 << 14;
     tbb::parallel_for(tbb::blocked_range<uint64_t>(0, grid.cell_count(), kCellsATask),
                       [&](const auto& range) {
+                          // All lists but their ends, which are then set right.
+                          const uint32_t* const begins = grid.cell_begin.data();
+                          const uint32_t last = begins[range.end()];
+                          for (uint32_t k = begins[range.begin()]; k < last; ++k) {
+                              uint32_t& word = grid.references[k];
+                              word = (slots.empty() ? word : slots[word]) | kMoreReferences;
+                          }
                           for (uint64_t i = range.begin(); i != range.end(); ++i) {
-                              const uint32_t end = grid.cell_begin[i + 1];
-                              for (uint32_t k = grid.cell_begin[i]; k + 1 < end; ++k) {
-                                  grid.references[k] |= kMoreReferences;
-                              }
+                              if (begins[i] == begins[i + 1]) continue;
+                              grid.references[begins[i + 1] - 1] &= ~kMoreReferences;
                           }
                       });
 }
@@ -85,7 +92,7 @@ RawVector<uint32_t> joined(std::vector<UniformGrid>& grids,
     auto out = all.begin();
     for (UniformGrid& grid : grids) {
         out = std::copy((grid.*array).begin(), (grid.*array).end(), out);
-        grid.*array = {};
+        give_back(grid.*array);
     }
     return all;
 }
@@ -107,37 +114,39 @@ vec3 in_frame(const vec3& position, const GridFrame& frame) {
     return vec3((dvec3(position) - frame.origin) * frame.scale);
 }
 
-/// All objects' positions in the frames of their grids, as bits.
-RawVector<uint32_t> pack_vertices(const Scene& scene, std::span<const GridFrame> frames,
-                                  const std::vector<uint64_t>& first_vertex) {
-    RawVector<uint32_t> vertices(3 * first_vertex.back());
+/// All objects' positions in the frames of their grids, a texel each.
+RawVector<float> pack_vertices(const Scene& scene, std::span<const GridFrame> frames,
+                               const std::vector<uint64_t>& first_vertex) {
+    RawVector<float> vertices(4 * first_vertex.back());
     for (size_t k = 0; k < scene.objects.size(); ++k) {
         const std::vector<vec3>& positions = scene.objects[k].positions;
-        uint32_t* const out = vertices.data() + 3 * first_vertex[k];
-        tbb::parallel_for(
-            tbb::blocked_range<size_t>(0, positions.size(), 1 << 14), [&](const auto& range) {
-                for (size_t i = range.begin(); i != range.end(); ++i) {
-                    const vec3 p = in_frame(positions[i], frames[k]);
-                    for (int axis = 0; axis < 3; ++axis) {
-                        out[3 * i + static_cast<size_t>(axis)] = std::bit_cast<uint32_t>(p[axis]);
-                    }
-                }
-            });
+        float* const out = vertices.data() + 4 * first_vertex[k];
+        tbb::parallel_for(tbb::blocked_range<size_t>(0, positions.size(), 1 << 14),
+                          [&](const auto& range) {
+                              for (size_t i = range.begin(); i != range.end(); ++i) {
+                                  const vec3 p = in_frame(positions[i], frames[k]);
+                                  for (size_t axis = 0; axis < 3; ++axis) {
+                                      out[4 * i + axis] = p[static_cast<int>(axis)];
+                                  }
+                                  out[4 * i + 3] = 0.0f;
+                              }
+                          });
     }
     return vertices;
 }
 
 struct PackedTriangles {
-    RawVector<uint32_t> corners;  ///< indices of vertices
+    RawVector<uint32_t> corners;  ///< indices of vertices, and the triangle's own
     RawVector<float> planes;      ///< from the centres of their grids
 };
 
 PackedTriangles pack_triangles(const Scene& scene, const std::vector<UniformGrid>& grids,
+                               std::span<const RawVector<uint32_t>> slots,
                                std::span<const GridFrame> frames,
                                const std::vector<uint64_t>& first_triangle,
                                const std::vector<uint64_t>& first_vertex) {
     constexpr size_t kPlanesFloats = 4 * kPlanesTexels;
-    PackedTriangles packed{RawVector<uint32_t>(3 * first_triangle.back()),
+    PackedTriangles packed{RawVector<uint32_t>(kCornersWords * first_triangle.back()),
                            RawVector<float>(kPlanesFloats * first_triangle.back())};
     for (size_t k = 0; k < scene.objects.size(); ++k) {
         const Object& object = scene.objects[k];
@@ -146,14 +155,15 @@ PackedTriangles pack_triangles(const Scene& scene, const std::vector<UniformGrid
             tbb::blocked_range<size_t>(0, object.triangles.size(), 1 << 12),
             [&](const auto& range) {
                 for (size_t i = range.begin(); i != range.end(); ++i) {
-                    const size_t at = first_triangle[k] + i;
+                    const size_t at = first_triangle[k] + slots[k][i];
+                    uint32_t* const corners = &packed.corners[kCornersWords * at];
                     std::array<dvec3, 3> p;
                     for (size_t v = 0; v < p.size(); ++v) {
                         const uint32_t corner = object.triangles[i][static_cast<int>(v)];
-                        packed.corners[3 * at + v] =
-                            static_cast<uint32_t>(first_vertex[k] + corner);
+                        corners[v] = static_cast<uint32_t>(first_vertex[k] + corner);
                         p[v] = dvec3(in_frame(object.positions[corner], frames[k])) - centre;
                     }
+                    corners[3] = static_cast<uint32_t>(i);
                     put_barycentric_planes(&packed.planes[kPlanesFloats * at], p[0], p[1], p[2]);
                 }
             });
@@ -237,8 +247,8 @@ TextureData pack_instance_grids(const Scene& scene, const TextureLimits& limits)
 
 }  // namespace
 
-void grid_to_words(UniformGrid& grid, uint64_t first_reference) {
-    references_to_words(grid);
+void grid_to_words(UniformGrid& grid, uint64_t first_reference, std::span<const uint32_t> slots) {
+    references_to_words(grid, slots);
     cells_to_words(grid, first_reference);
 }
 
@@ -283,7 +293,7 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
     check_index_range("cells", first_cell.back());
     check_index_range("references", first_reference.back());
     check_index_range("triangles", 3 * first_triangle.back());
-    check_index_range("vertices", 3 * first_vertex.back());
+    check_index_range("vertices", first_vertex.back());
     std::vector<Affine> world_from_object;
     for (const Instance& instance : scene.instances) {
         world_from_object.push_back(instance.world_from_object);
@@ -300,7 +310,13 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
          "of all grids"}};
 
     // The grids become buffers in place.
-    for (size_t k = 0; k < grids.size(); ++k) grid_to_words(grids[k], first_reference[k]);
+    packed.slots.resize(grids.size());
+    tbb::parallel_for(size_t{0}, grids.size(), [&](size_t k) {
+        packed.slots[k] = storage_slots(scene.objects[k], grids[k].bounds);
+    });
+    for (size_t k = 0; k < grids.size(); ++k) {
+        grid_to_words(grids[k], first_reference[k], packed.slots[k]);
+    }
     const auto add = [&](TextureData texture) {
         packed.inputs.textures.push_back(std::move(texture));
     };
@@ -309,15 +325,16 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
     references.push_back(0);  // read, though not used, behind the last list (strategies/grid.glsl)
     add(word_buffer_of("references", "references", std::move(references), limits, kind));
     PackedTriangles triangles =
-        pack_triangles(scene, grids, packed.frames, first_triangle, first_vertex);
+        pack_triangles(scene, grids, packed.slots, packed.frames, first_triangle, first_vertex);
     add(float_buffer_of("planes", "triangles", std::move(triangles.planes), limits, kind));
-    add(word_buffer_of("corners", "triangles", std::move(triangles.corners), limits, kind));
-    add(word_buffer_of("vertices", "vertices", pack_vertices(scene, packed.frames, first_vertex),
-                       limits, kind));
+    add(word_buffer_of("corners", "triangles", std::move(triangles.corners), limits, kind,
+                       kCornersWords));
+    add(float_buffer_of("vertices", "vertices", pack_vertices(scene, packed.frames, first_vertex),
+                        limits, kind));
     add(pack_grid_frames(grids, limits));
     add(pack_grid_numbers(grids, first_cell, first_triangle, limits));
     add(pack_instance_grids(scene, limits));
-    packed.inputs.append(pack_top_buffers(scene, world_from_object, instance_bounds(scene),
+    packed.inputs.append(pack_top_buffers(scene, world_from_object, grid.instance_boxes,
                                           std::move(grid.top), packed.frames, limits));
     for (const TextureData& texture : packed.inputs.textures) {
         packed.stats.push_back({texture.name + "_bytes", static_cast<double>(texture.bytes()), ""});

@@ -7,6 +7,7 @@
 
 #include "core/grid/two_level_grid.h"
 #include "core/scene.h"
+#include "core/storage_order.h"
 #include "core/tracer.h"
 #include "gpu_glsl/pack/frames.h"
 #include "gpu_glsl/pack/shader_inputs.h"
@@ -16,26 +17,30 @@ namespace onepass {
 struct TwoLevelBuffers {
     ShaderInputs inputs;
     std::vector<Stat> stats;
-    std::vector<GridFrame> frames;  ///< of the objects' grids
-    uint64_t object_cells = 0;      ///< of all object grids
+    std::vector<GridFrame> frames;           ///< of the objects' grids
+    std::vector<RawVector<uint32_t>> slots;  ///< of each object's triangles (core/storage_order.h)
+    uint64_t object_cells = 0;               ///< of all object grids
     uint64_t object_references = 0;
 };
 
 /// Layouts in gpu_glsl/shaders/storage/two_level_grid/grid_buffers.glsl and
 /// shared/grid_buffers_layout.h.
 ///
-/// Positions are stored in the frame of their object's grid, without rounding. `kind`: of cells,
-/// references and triangles, which a walk fetches; the rest is always read as textures.
+/// Positions are stored in the frame of their object's grid, without rounding; triangles lie
+/// in the order of core/storage_order.h. `kind`: of cells, references and triangles, which
+/// a walk fetches; the rest is always read as textures.
 /// Cost:   O(cells + references + triangles); parallel. The grids' arrays become buffers in place:
 ///         beside them 8 bits a cell of one grid at a time, and where objects are several the
-///         buffers are filled as the grids are given up.
+///         buffers are filled as the grids are given up; 4 bytes a triangle.
 /// Throws: Error naming the buffer, what was asked and the limit, if the scene does not fit.
 TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
                                        const TextureLimits& limits, BufferKind kind);
 
 /// Makes a grid's references and cells words (shared/grid_buffers_layout.h), in place. Its lists
-/// begin at `first_reference` of the buffer. Cost: parallel; 8 bits a cell while it works.
-void grid_to_words(UniformGrid& grid, uint64_t first_reference);
+/// begin at `first_reference` of the buffer. `slots`: by which they name what they refer to; empty:
+/// by its number. Cost: parallel; 8 bits a cell while it works.
+void grid_to_words(UniformGrid& grid, uint64_t first_reference,
+                   std::span<const uint32_t> slots = {});
 
 /// The part that changes when instances move: buffers of the top level and of the instances, and
 /// uniforms. `boxes`: of the instances in the world, those that `top` was built over.

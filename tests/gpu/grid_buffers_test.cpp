@@ -67,12 +67,15 @@ TEST(GridBuffers, of_an_object_are_the_same_alone_and_behind_another) {
     const auto& own = alone.inputs.texture("planes").texels;
     EXPECT_TRUE(std::equal(own.begin(), own.end(), planes.end() - std::ptrdiff_t(own.size())));
     // So do triangles behind the other's vertices.
-    const auto& vertices = alone.inputs.texture("vertices").words;
-    EXPECT_EQ(words_behind("vertices"), std::vector<uint32_t>(vertices.begin(), vertices.end()));
+    const auto& vertices = both.inputs.texture("vertices").texels;
+    const auto& own_vertices = alone.inputs.texture("vertices").texels;
+    EXPECT_TRUE(std::equal(own_vertices.begin(), own_vertices.end(),
+                           vertices.end() - std::ptrdiff_t(own_vertices.size())));
     std::vector<uint32_t> corners(alone.inputs.texture("corners").words.begin(),
                                   alone.inputs.texture("corners").words.end());
-    for (uint32_t& corner : corners) {
-        corner += static_cast<uint32_t>(objects[0].positions.size());
+    for (size_t i = 0; i < corners.size(); ++i) {
+        const bool is_prim_id = i % 4 == 3;
+        if (!is_prim_id) corners[i] += static_cast<uint32_t>(objects[0].positions.size());
     }
     EXPECT_EQ(words_behind("corners"), corners);
 }
@@ -85,6 +88,7 @@ TEST(GridBuffers, hold_each_cells_list_and_its_end) {
         pack_two_level_buffers(scene, grid, kLimits, BufferKind::texture);
     const auto& cells = buffers.inputs.texture("cells").words;
     const auto& references = buffers.inputs.texture("references").words;
+    const auto& corners = buffers.inputs.texture("corners").words;
     ASSERT_EQ(cells.size(), object.cell_count());
     for (uint64_t i = 0; i < cells.size(); ++i) {
         const uint32_t first = object.cell_begin[i];
@@ -93,10 +97,40 @@ TEST(GridBuffers, hold_each_cells_list_and_its_end) {
         if (first == end) continue;
         ASSERT_EQ(cells[i], first);
         for (uint32_t k = first; k < end; ++k) {
-            const uint32_t goes_on = k + 1 < end ? kMoreReferences : 0;
-            ASSERT_EQ(references[k], object.references[k] | goes_on) << i;
+            ASSERT_EQ((references[k] & kMoreReferences) != 0, k + 1 < end) << i;
+            const size_t slot = references[k] & ~kMoreReferences;
+            ASSERT_EQ(corners[4 * slot + 3], object.references[k]) << i;
         }
     }
+}
+
+TEST(GridBuffers, hold_every_triangle_once_with_its_own_corners) {
+    const Scene scene = scene_of({make_box(4, 3, 5), make_sphere(30, 20)});
+    const TwoLevelBuffers buffers = packed(scene, 16.0);
+    const auto& corners = buffers.inputs.texture("corners").words;
+    const auto& vertices = buffers.inputs.texture("vertices").texels;
+    size_t slot = 0;
+    for (size_t k = 0; k < scene.objects.size(); ++k) {
+        const Object& object = scene.objects[k];
+        const GridFrame& frame = buffers.frames[k];
+        std::vector<bool> is_met(object.triangles.size());
+        for (size_t i = 0; i < object.triangles.size(); ++i, ++slot) {
+            const uint32_t prim_id = corners[4 * slot + 3];
+            ASSERT_LT(prim_id, object.triangles.size());
+            ASSERT_FALSE(is_met[prim_id]);
+            is_met[prim_id] = true;
+            EXPECT_EQ(buffers.slots[k][prim_id], i);
+            for (int v = 0; v < 3; ++v) {
+                const float* const vertex = &vertices[4 * corners[4 * slot + size_t(v)]];
+                const vec3& p = object.positions[object.triangles[prim_id][v]];
+                for (int axis = 0; axis < 3; ++axis) {
+                    const double expected = (double{p[axis]} - frame.origin[axis]) * frame.scale;
+                    ASSERT_EQ(vertex[axis], expected);
+                }
+            }
+        }
+    }
+    EXPECT_EQ(4 * slot, corners.size());
 }
 
 TEST(GridBuffers, hold_boxes_a_pad_wider_than_the_instances_exact_places) {

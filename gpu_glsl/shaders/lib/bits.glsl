@@ -46,7 +46,3 @@ float biased(uint n) { return uintBitsToFloat(0x4B000000u + n); }
 int biased_bits(float number) { return floatBitsToInt(number); }  // kBitsOfBias + n
 const int kBitsOfBias = 0x4B000000;
 #endif
-
-// n itself, in a form of which compilers do not know that it is: they compute anew what depends on it,
-// and keep no registers for what they computed before. `id`: any below 2^31, known late.
-uint anew(uint n, uint id) { return n + (id >> 31u); }

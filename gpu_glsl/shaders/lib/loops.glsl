@@ -5,10 +5,9 @@
 // for met. But from then on every loop ends after its first turn, and so one of two turns can tell.
 #pragma once
 #include "lib/ray.glsl"
+#include "lib/renderer.glsl"
 
-CONSTANT(bool, loops_are_cut)  // the device does that
-
-#if NEEDS(loops_are_cut)
+#if NEEDS(is_software)
 bool is_cut(Ray ray) {
     // An array at a place that compilers do not know: what is there they have to look up.
     uint turns[2];

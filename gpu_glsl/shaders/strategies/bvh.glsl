@@ -66,7 +66,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, double t_nearest, uint found, uin
                 } while (is_inner(reference));
             }
             is_over = reference == kBvhNothing;
-            if (is_over || is_inner(reference)) break;  // (the latter if the driver ended the loop)
+            if (is_over) break;
 
             // Its triangles. A hit that answers the ray does not end this loop, and a third open
             // triangle only a turn later (strategies/grid.glsl).
@@ -91,8 +91,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, double t_nearest, uint found, uin
                 if (!is_in_leaf) break;
                 reference = without_first_slot(reference);
             }
-            // (Whether a leaf was read to its end, a cut loop may not tell: lib/loops.glsl does.)
-            is_walking = !candidates.is_full && !is_in_leaf;
+            is_walking = !candidates.is_full;
             if (is_walking) reference = take_up(candidates.behind);
             is_over = is_walking && reference == kBvhNothing;
         } while (is_walking && !is_over);
@@ -106,7 +105,7 @@ bool decide_on(uint inst_id, Ray ray, float start, uint slot, INOUT(Nearest) nea
     LocalRay local = moved_from_afar(to_instance(inst_id, ray), start);
     SharpHit sharp = sharp_hit(local, fetch_triangle(int(slot)));
     return take_nearer(sharp, double(start) + sharp.t, ray, inst_id, fetch_primitive(int(slot)),
-                       nearest);
+                       slot, nearest);
 }
 
 // The ray once more, from where the entry has it: read again, it needs no registers meanwhile.
@@ -166,7 +165,7 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
                 } while (is_inner(reference));
             }
             is_over = reference == kBvhNothing;
-            if (is_over || is_inner(reference)) break;  // (as above)
+            if (is_over) break;
             count_reference();
             walk_instance(fetch_top_instance(first_slot(reference)), ray, nearest);
             behind = raised(t_along(course, min(nearest.t, double(ray.tmax))));
@@ -183,7 +182,7 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
 // ---- The whole ray -----------------------------------------------------------------------------
 
 Hit closest_hit(Ray ray) {
-    Nearest nearest = Nearest(double(infinity()), no_hit());
+    Nearest nearest = no_nearest();
     stack_size = 0;
     if (is_traceable(ray)) {
         if (!has_top_level) walk_instance(0u, ray, nearest);

@@ -69,7 +69,8 @@ Findings no_findings() {
 // It returns at its end only, and gives every variable a value before any branch: one that a branch
 // alone sets is kept, by compilers that cannot tell, in registers all round the loop that calls
 // this. Loops ask at their end whether to turn: a software renderer has no other jumps, and goes
-// through one that asks at its beginning once more than it turns.
+// through one that asks at its beginning once more than it turns. (Whether a driver ended one before,
+// no variable here can tell: lib/loops.glsl does.)
 Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, double t_nearest,
                         uint found, Findings earlier) {
     Findings now = no_findings();
@@ -111,7 +112,7 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
                         if (!now.is_over) cell = fetch_cell(grid, walk);
                     } while (!now.is_over && is_empty_cell(cell));
                 }
-                if (now.is_over || is_empty_cell(cell)) break;  // (the driver ended it)
+                if (now.is_over) break;
                 count_cell();
                 NOTE_CELL(inst_id, cell_of(grid, walk));
                 at = first_reference(cell);
@@ -125,29 +126,27 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
             // whether it was right. Which one is next is asked for before the one at hand is
             // fetched; behind the last list lies a word for that.
             uint next = fetch_triangle_reference(at);
-            bool is_in_list = true;
             for (;;) {
                 if (candidates.is_full) break;
                 uint reference = next;
                 next = reference_word(at + 1);
-                uint prim_id = referenced(reference);
-                is_in_list = !is_last_reference(reference);
+                uint listed = referenced(reference);
+                bool is_in_list = !is_last_reference(reference);
                 count_test();
-                NOTE_TEST(named(inst_id, prim_id).inst_id, named(inst_id, prim_id).prim_id);
-                Planes planes = fetch_planes(grid, prim_id);
+                NOTE_TEST(named(inst_id, listed).inst_id, prim_id_of(named(inst_id, listed)));
+                Planes planes = fetch_planes(grid, listed);
                 Weights weights = weights_of(planes, sight);
                 if (may_cross(weights, sight)) {
                     Crossing crossing = crossing_of(planes, weights, sight);
-                    bool is_new = prim_id != candidates.found && prim_id != candidates.open &&
-                                  prim_id != candidates.other;
-                    take_in(prim_id, uint(at), is_new, crossing, candidates);
+                    bool is_new = listed != candidates.found && listed != candidates.open &&
+                                  listed != candidates.other;
+                    take_in(listed, uint(at), is_new, crossing, candidates);
                 }
                 if (!is_in_list) break;
                 count_reference();
                 ++at;
             }
-            // (Whether a list was read to its end, a cut loop may not tell: lib/loops.glsl does.)
-            is_walking = !candidates.is_full && !is_in_list;
+            is_walking = !candidates.is_full;
             now.is_over = is_walking && !(t_exit < min(end, candidates.behind));
         } while (is_walking && !now.is_over);
     }
@@ -157,27 +156,28 @@ Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, doub
     return now;
 }
 
-// Asks whether a triangle is hit before the nearest so far, and so becomes it. `start`: of the
-// course; `listed`: what the walk's lists call the triangle.
-bool decide_on(uint inst_id, Ray ray, float start, uint listed, INOUT(Nearest) nearest) {
+// Asks whether a triangle is hit before the nearest so far, and makes it the nearest if so.
+// `start`: of the course; `listed`: what the walk's lists call the triangle.
+void decide_on(uint inst_id, Ray ray, float start, uint listed, INOUT(Nearest) nearest) {
     Name name = named(inst_id, listed);
+    Grid grid = fetch_grid(fetch_grid_of_instance(name.inst_id));
+    Corners corners = fetch_corners(grid, name.slot);
     SharpHit sharp;
     double t;
     if (decide == kInFloats) {
-        Grid grid = fetch_walked_grid(inst_id);
-        Course course = course_in(grid, to_walked_grid(inst_id, ray), ray.tmin, ray.tmax);
-        Sight sight = sight_from(course.org, course.dir, grid.upper);
-        sharp = blunt_hit(sight, fetch_planes(grid, listed));
+        Grid walked = fetch_walked_grid(inst_id);
+        Course course = course_in(walked, to_walked_grid(inst_id, ray), ray.tmin, ray.tmax);
+        Sight sight = sight_from(course.org, course.dir, walked.upper);
+        sharp = blunt_hit(sight, fetch_planes(walked, listed));
         t = double(start) + sharp.t * inverse_of_power(course.length_of_t);
     } else {
-        Grid grid = fetch_grid(fetch_grid_of_instance(name.inst_id));
         LocalRay local = to_instance(name.inst_id, ray);
         start = start_in_instance(grid, local, ray, start);
         local = moved_from_afar(local, start);
-        sharp = sharp_hit(local, fetch_triangle(grid, name.prim_id));
+        sharp = sharp_hit(local, fetch_triangle(corners));
         t = double(start) + sharp.t;
     }
-    return take_nearer(sharp, t, ray, name.inst_id, name.prim_id, nearest);
+    take_nearer(sharp, t, ray, name.inst_id, corners.prim_id, listed, nearest);
 }
 
 // The ray once more, from where the entry has it: read again, it needs no registers meanwhile.
@@ -195,25 +195,22 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
     // (After each walk the nearest is made anew, so that a walk need not keep it.)
     Nearest before = nearest;
     double t_nearest = before.t;
-    uint found = listed_as(before.hit, inst_id, kNoId);
+    uint found = listed_in(before, inst_id);
     Findings findings = no_findings();
     do {
         uint again = anew(inst_id, findings.candidates.full_at);
         findings = walk_in_floats(again, ray, t_first, t_last, t_nearest, found, findings);
         nearest = before;
-        uint taken = kNoId;
         Queue queue = queue_of(findings.candidates);
         if (queue.asked != kNoId) {
             do {
                 again = anew(inst_id, queue.asked);
-                if (decide_on(again, ray_again(ray), findings.start, queue.asked, nearest)) {
-                    taken = queue.asked;
-                }
+                decide_on(again, ray_again(ray), findings.start, queue.asked, nearest);
                 queue = without_first(queue);
             } while (queue.asked != kNoId);
         }
         t_nearest = nearest.t;
-        found = listed_as(nearest.hit, inst_id, taken);
+        found = listed_in(nearest, inst_id);
         ray = ray_again(ray);
         if (!has_top_level) {
             t_first = ray.tmin;
@@ -326,7 +323,7 @@ void walk_scene(Ray ray, INOUT(Nearest) nearest) {
 // ---- The whole ray -----------------------------------------------------------------------------
 
 Hit closest_hit(Ray ray) {
-    Nearest nearest = Nearest(double(infinity()), no_hit());
+    Nearest nearest = no_nearest();
     if (is_traceable(ray)) {
         if (!has_top_level) walk_instance(kWholeScene, ray, ray.tmin, ray.tmax, nearest);
 #if NEEDS(has_top_level)

@@ -73,19 +73,22 @@ Queue without_first(Queue queue) { return Queue(queue.next, queue.last, kNoId); 
 struct Nearest {
     double t;
     Hit hit;
+    uint listed;  // what the walk calls the triangle
 };
+
+Nearest no_nearest() { return Nearest(double(infinity()), no_hit(), kNoId); }
 
 bool is_before(uint inst_id, uint prim_id, Hit other) {
     return inst_id < other.inst_id || (inst_id == other.inst_id && prim_id < other.prim_id);
 }
 
 // Makes a hit within the ray's interval the nearest, if it is; true if so. `t`: of the ray.
-bool take_nearer(SharpHit sharp, double t, Ray ray, uint inst_id, uint prim_id,
+bool take_nearer(SharpHit sharp, double t, Ray ray, uint inst_id, uint prim_id, uint listed,
                  INOUT(Nearest) nearest) {
     bool is_taken = sharp.is_hit && t >= double(ray.tmin) && t <= double(ray.tmax) &&
                     (t < nearest.t ||
                      (t == nearest.t && is_before(inst_id, prim_id, nearest.hit)));
-    if (is_taken) nearest = Nearest(t, Hit(float(t), sharp.u, sharp.v, prim_id, inst_id));
+    if (is_taken) nearest = Nearest(t, Hit(float(t), sharp.u, sharp.v, prim_id, inst_id), listed);
     return is_taken;
 }
 

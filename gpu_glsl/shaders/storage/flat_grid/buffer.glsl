@@ -1,10 +1,10 @@
 // The flat grid in buffer textures (storage/flat_grid/flat_cells.glsl).
 #pragma once
-#include "lib/dialect.glsl"
+#include "lib/renderer.glsl"
 #include "storage/two_level_grid/triangle_buffers.glsl"
 
-UBUFFER(cells)
+WORD_TABLE(cells)
 
-uint cell_word(int index) { return FETCHBUFFER(cells, index).x; }
+uint cell_word(int index) { return FETCHTABLE(cells, index).x; }
 
 #include "storage/flat_grid/flat_cells.glsl"

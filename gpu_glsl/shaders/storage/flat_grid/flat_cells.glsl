@@ -6,10 +6,11 @@
 // vertices, all of which is as in storage/two_level_grid/grid_buffers.glsl: so no hit rests on a
 // corner that was rounded on its way into the world.
 #pragma once
+#include "lib/triangle/candidates.glsl"
 #include "storage/two_level_grid/grid_buffers.glsl"
 #include "storage/two_level_grid/uniform_cells.glsl"
 
-UBUFFER(flat_names)         // of each triangle in the lists: inst_id, prim_id
+UBUFFER(flat_names)         // of each triangle in the lists: inst_id, slot
 UNIFORM(vec3, flat_origin)  // of its frame, in the world
 UNIFORM(float, flat_scale)  // its unit of length, a power of two
 UNIFORM(vec3, flat_centre)  // its Grid; dims as floats
@@ -38,8 +39,7 @@ Name named(uint inst_id, uint listed) {
     return Name(name.x, name.y);
 }
 
-// (There was no hit before the only walk: the nearest is one of those it asked about.)
-uint listed_as(Hit nearest, uint inst_id, uint taken) { return taken; }
+uint listed_in(Nearest nearest, uint inst_id) { return nearest.listed; }
 
 // (What `grid` starts from, so that both give the same bits.)
 float start_in_instance(Grid grid, LocalRay local, Ray ray, float start) {

@@ -1,11 +1,11 @@
 // The two-level grid in buffer textures (storage/two_level_grid/grid_buffers.glsl).
 #pragma once
-#include "lib/dialect.glsl"
+#include "lib/renderer.glsl"
 #include "storage/two_level_grid/triangle_buffers.glsl"
 
-UBUFFER(cells)
+WORD_TABLE(cells)
 
-uint cell_word(int index) { return FETCHBUFFER(cells, index).x; }
+uint cell_word(int index) { return FETCHTABLE(cells, index).x; }
 
 #include "storage/two_level_grid/grid_buffers.glsl"
 #include "storage/two_level_grid/uniform_cells.glsl"

@@ -4,9 +4,11 @@
 //   uint reference_word(int index)
 //   vec4 planes_texel(int index)
 //
-// two that a decision reads, an object's vertices and which of them a triangle has:
+// two that a decision reads, of a triangle its vertices and what the scene calls it, and of an object
+// its vertices:
 //
-//   uint corner_word(int index), vertex_word(int index)
+//   uvec4 corners_texel(int index)
+//   vec4 vertex_texel(int index)
 //
 // an object's cells, as storage/two_level_grid/uniform_cells.glsl does, and what one walk goes
 // through, as storage/two_level_grid/walked_instance.glsl does.
@@ -16,6 +18,8 @@
 // the object, on those axes where taking that corner off is exact, and else stays where it was; the
 // frame of an object's grid is scaled by the power of two that makes its largest coordinate 1/2 to
 // 1. Both are exact: no vertex is ever moved.
+//
+// Triangles are stored in an order of their own (core/storage_order.h), and named by their slots in it.
 #pragma once
 #include "lib/dialect.glsl"
 #include "lib/ray.glsl"
@@ -75,31 +79,46 @@ uint referenced(uint reference) { return reference & ~kMoreReferences; }
 
 // ---- Triangles and instances -------------------------------------------------------------------
 
-// What the scene calls a triangle.
+// A triangle of an instance.
 struct Name {
     uint inst_id;
-    uint prim_id;
+    uint slot;
 };
 
-Planes fetch_planes(Grid grid, uint prim_id) {
-    int at = (grid.first_triangle + int(prim_id)) * kPlanesTexels;
+Planes fetch_planes(Grid grid, uint slot) {
+    int at = (grid.first_triangle + int(slot)) * kPlanesTexels;
     return Planes(planes_texel(at), planes_texel(at + 1), planes_texel(at + 2));
 }
 
-vec3 fetch_corner(int index) {
-    int at = 3 * int(corner_word(index));
-    return vec3(uintBitsToFloat(vertex_word(at)), uintBitsToFloat(vertex_word(at + 1)),
-                uintBitsToFloat(vertex_word(at + 2)));
+// Which vertices a triangle has.
+struct Corners {
+    uint v0;
+    uint v1;
+    uint v2;
+    uint prim_id;  // what the scene calls it
+};
+
+Corners fetch_corners(Grid grid, uint slot) {
+    uvec4 corners = corners_texel(grid.first_triangle + int(slot));
+    return Corners(corners.x, corners.y, corners.z, corners.w);
 }
 
-Triangle fetch_triangle(Grid grid, uint prim_id) {
-    int at = 3 * (grid.first_triangle + int(prim_id));
-    return Triangle(fetch_corner(at), fetch_corner(at + 1), fetch_corner(at + 2));
+Triangle fetch_triangle(Corners corners) {
+    return Triangle(vec3(vertex_texel(int(corners.v0))), vec3(vertex_texel(int(corners.v1))),
+                    vec3(vertex_texel(int(corners.v2))));
 }
 
 int fetch_grid_of_instance(uint inst_id) {
     return int(FETCHBUFFER(instance_grids, int(inst_id)).x);
 }
+
+#ifdef ONEPASS_TWIN
+// (For notes of a walk.)
+uint prim_id_of(Name name) {
+    Grid grid = fetch_grid(fetch_grid_of_instance(name.inst_id));
+    return fetch_corners(grid, name.slot).prim_id;
+}
+#endif
 
 #if NEEDS(has_top_level)
 #include "storage/two_level_grid/top_buffers.glsl"

@@ -1,14 +1,14 @@
 // Lists and triangles of objects in buffer textures, as storage/two_level_grid/grid_buffers.glsl asks for
 // them.
 #pragma once
-#include "lib/dialect.glsl"
+#include "lib/renderer.glsl"
 
-UBUFFER(references)
-BUFFER(planes)
+WORD_TABLE(references)
+VECTOR_TABLE(planes)
 UBUFFER(corners)
-UBUFFER(vertices)
+BUFFER(vertices)
 
-uint reference_word(int index) { return FETCHBUFFER(references, index).x; }
-vec4 planes_texel(int index) { return FETCHBUFFER(planes, index); }
-uint corner_word(int index) { return FETCHBUFFER(corners, index).x; }
-uint vertex_word(int index) { return FETCHBUFFER(vertices, index).x; }
+uint reference_word(int index) { return FETCHTABLE(references, index).x; }
+vec4 planes_texel(int index) { return FETCHTABLE(planes, index); }
+uvec4 corners_texel(int index) { return FETCHBUFFER(corners, index); }
+vec4 vertex_texel(int index) { return FETCHBUFFER(vertices, index); }

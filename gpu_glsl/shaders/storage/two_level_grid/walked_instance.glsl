@@ -1,7 +1,8 @@
 // What one walk goes through where instances are walked through one by one: an instance's own grid,
-// whose lists call a triangle as its object does. Where one walk goes through all instances,
+// whose lists name a triangle by its slot. Where one walk goes through all instances,
 // storage/flat_grid/flat_cells.glsl answers otherwise.
 #pragma once
+#include "lib/triangle/candidates.glsl"
 #include "storage/two_level_grid/grid_buffers.glsl"
 
 CONSTANT(int, test_boxes)  // 0: all instances of a cell are walked through
@@ -13,13 +14,12 @@ const uint kWholeScene = 0u;
 Grid fetch_walked_grid(uint inst_id) { return fetch_grid(fetch_grid_of_instance(inst_id)); }
 LocalRay to_walked_grid(uint inst_id, Ray ray) { return to_instance(inst_id, ray); }
 
-// What the scene calls a triangle of the walk's lists.
+// What a triangle of the walk's lists is.
 Name named(uint inst_id, uint listed) { return Name(inst_id, listed); }
 
-// What the lists call the nearest hit; kNoId if it is not in them. `taken`: the one of those just
-// asked that it is, or kNoId.
-uint listed_as(Hit nearest, uint inst_id, uint taken) {
-    return nearest.inst_id == inst_id ? nearest.prim_id : kNoId;
+// What the lists call the nearest hit; kNoId if it is not in them.
+uint listed_in(Nearest nearest, uint inst_id) {
+    return nearest.hit.inst_id == inst_id ? nearest.listed : kNoId;
 }
 
 // Where a ray enters an instance's own grid, which decisions on rays from afar begin at

@@ -1,0 +1,32 @@
+// What a GPU and a software renderer want said differently.
+#pragma once
+#include "lib/dialect.glsl"
+
+CONSTANT(bool, is_software)  // a software renderer runs this
+
+// ---- Registers ---------------------------------------------------------------------------------
+
+// n itself. On a GPU in a form of which compilers do not know that it is: they compute anew what
+// depends on it, and keep no registers for what they computed before. On a CPU it is cheaper kept.
+// `id`: any below 2^31, known late.
+#if NEEDS(is_software)
+uint anew(uint n, uint id) { return n; }
+#else
+uint anew(uint n, uint id) { return n + (id >> 31u); }
+#endif
+
+// ---- Tables ------------------------------------------------------------------------------------
+
+// Buffers of a `uint` or a `vec4` to a texel, which a walk reads at every step. A software renderer
+// calls a function for each texel of a buffer texture; what it loads from an image it loads in place.
+#ifndef ONEPASS_TWIN
+#if NEEDS(is_software)
+#define WORD_TABLE(name) layout(r32ui) readonly uniform uimageBuffer name;
+#define VECTOR_TABLE(name) layout(rgba32f) readonly uniform imageBuffer name;
+#define FETCHTABLE(name, index) imageLoad(name, index)
+#else
+#define WORD_TABLE(name) UBUFFER(name)
+#define VECTOR_TABLE(name) BUFFER(name)
+#define FETCHTABLE(name, index) FETCHBUFFER(name, index)
+#endif
+#endif
