@@ -189,7 +189,7 @@ class BruteForceTracer final : public Tracer {
         auto resident = std::make_shared<RaysOnDevice>();
         for (size_t first = 0; first < rays.size(); first += kMaxChunkRays) {
             const auto part = rays.subspan(first, std::min(kMaxChunkRays, rays.size() - first));
-            resident->chunks.push_back(entry_ == GpuEntry::fragment ? upload_to_textures(part)
+            resident->chunks.push_back(entry_ == GpuEntry::fragment ? upload_to_texels(part)
                                                                     : upload_to_buffer(part));
         }
         return {rays.size(), std::move(resident)};
@@ -273,8 +273,7 @@ class BruteForceTracer final : public Tracer {
         const gl::Framebuffer framebuffers[2] = {{chunk.width, chunk.height, targets},
                                                  {chunk.width, chunk.height, targets}};
         gl::Program& program = this->program(options.counters);
-        program.set_texture("ray_origins", *chunk.origins);
-        program.set_texture("ray_directions", *chunk.directions);
+        chunk.give_to(program);
         const auto draw_all = [&] {
             for (size_t p = 0; p < passes_.size(); ++p) {
                 const gl::Framebuffer& last = framebuffers[(p + 1) % 2];
@@ -290,10 +289,10 @@ class BruteForceTracer final : public Tracer {
     }
 
     void cast_compute(const ChunkOnDevice& chunk, const CastOptions& options, CastResult& result) {
-        const gl::Buffer hits("hits", chunk.count * sizeof(HitRecord));
+        const AnswersOnDevice answers(chunk.count, options.counters);
         gl::Program& program = this->program(options.counters);
         program.set_buffer("RayBuffer", *chunk.buffer);
-        program.set_buffer("HitBuffer", hits);
+        answers.give_to(program);
         program.set_uniform("ray_count", static_cast<int32_t>(chunk.count));
 
         // A batch of 2^20 rays has fewer groups than one dimension may have.
@@ -306,7 +305,7 @@ class BruteForceTracer final : public Tracer {
             }
         };
         add_time(gl::finish_and_time(context_, dispatch_all), result);
-        append_hits(hits, chunk.count, options.counters, result);
+        append_hits(answers, chunk.count, result);
     }
 
     static void add_time(const gl::LaunchTime& time, CastResult& result) {

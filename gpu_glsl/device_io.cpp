@@ -3,25 +3,28 @@
 namespace onepass {
 namespace {
 
-/// Width of the textures that rays and hits lie in: tiles of 8 x 4 texels, and in them parts of
-/// 4 x 2. Fragments next to each other run together (8 on a CPU, those of a part; on a GPU those of
-/// a tile, more or less), so rays that follow each other lie in a tile, and 8 of them in a part.
-constexpr uint32_t kRayTextureWidth = 1024;
-constexpr size_t kTileRays = 32;
-constexpr size_t kPartRays = 8;
-constexpr size_t kTilesARow = kRayTextureWidth / 8;
+/// Given rays go to fragments in blocks of 4 x 4, and those to strips
+/// (shaders/lib/given_rays.glsl).
+constexpr size_t kBlockRays = 16;
+constexpr size_t kStripWidth = 64;
+constexpr size_t kBlockRowRays = 4 * kStripWidth;
+constexpr size_t kFragmentsWide = 16 * kStripWidth;
+constexpr size_t kFragmentRowRays = 4 * kFragmentsWide;
 
-/// The texel where a ray lies, and its hit.
-size_t texel_of_ray(size_t ray) {
-    const size_t tile = ray / kTileRays;
-    const size_t part = ray % kTileRays / kPartRays;
-    const size_t lane = ray % kPartRays;
-    const size_t x = 8 * (tile % kTilesARow) + 4 * (part % 2) + lane % 4;
-    const size_t y = 4 * (tile / kTilesARow) + 2 * (part / 2) + lane / 4;
-    return x + kRayTextureWidth * y;
+size_t rays_in_strip(uint32_t height) { return kStripWidth * height; }
+
+/// The texel where a ray's hit lies.
+size_t texel_of_ray(size_t ray, uint32_t height) {
+    const size_t strip = ray / rays_in_strip(height);
+    const size_t row = ray % rays_in_strip(height) / kBlockRowRays;
+    const size_t block = ray % kBlockRowRays / kBlockRays;
+    const size_t lane = ray % kBlockRays;
+    const size_t x = kStripWidth * strip + 4 * block + lane % 4;
+    const size_t y = 4 * row + lane / 4;
+    return x + kFragmentsWide * y;
 }
 
-/// A ray that no structure answers: it ends before it begins. Fills the last row of a chunk.
+/// A ray that no structure answers: it ends before it begins. Fills up a chunk.
 constexpr Ray kPaddingRay{.org = vec3(0.0f), .tmin = 0.0f, .dir = vec3(0, 0, 1), .tmax = -1.0f};
 
 Hit make_hit(const float* t_u_v, const uint32_t* ids) {
@@ -64,24 +67,30 @@ gl::Texture upload_texture(const TextureData& texture) {
                           texture.texels);
 }
 
-ChunkOnDevice upload_to_textures(std::span<const Ray> rays) {
+void ChunkOnDevice::give_to(gl::Program& program) const {
+    program.set_texture("given_rays", *texels);
+    program.set_uniform("strip_rays", static_cast<int32_t>(rays_in_strip(height)));
+}
+
+size_t most_rays_in_texels(int64_t most_texels) {
+    const size_t rays = static_cast<size_t>(most_texels) / 2;
+    return rays / kFragmentRowRays * kFragmentRowRays;
+}
+
+ChunkOnDevice upload_to_texels(std::span<const Ray> rays) {
     ChunkOnDevice chunk;
     chunk.count = rays.size();
-    chunk.width = kRayTextureWidth;
-    constexpr size_t kRowRays = kTileRays * kTilesARow;
-    chunk.height = static_cast<uint32_t>(4 * ((rays.size() + kRowRays - 1) / kRowRays));
-    const size_t texels = size_t{chunk.width} * chunk.height;
-    std::vector<vec4> origins(texels, vec4(kPaddingRay.org, kPaddingRay.tmin));
-    std::vector<vec4> directions(texels, vec4(kPaddingRay.dir, kPaddingRay.tmax));
-    for (size_t i = 0; i < rays.size(); ++i) {
-        const size_t at = texel_of_ray(i);
-        origins[at] = vec4(rays[i].org, rays[i].tmin);
-        directions[at] = vec4(rays[i].dir, rays[i].tmax);
+    chunk.width = kFragmentsWide;
+    const size_t rows = (rays.size() + kFragmentRowRays - 1) / kFragmentRowRays;
+    chunk.height = static_cast<uint32_t>(4 * rows);
+    std::vector<vec4> texels;
+    texels.reserve(2 * kFragmentRowRays * rows);
+    for (size_t i = 0; i < kFragmentRowRays * rows; ++i) {
+        const Ray& ray = i < rays.size() ? rays[i] : kPaddingRay;
+        texels.emplace_back(ray.org, ray.tmin);
+        texels.emplace_back(ray.dir, ray.tmax);
     }
-    chunk.origins =
-        gl::texture_2d("ray_origins", gl::TexelFormat::rgba32f, chunk.width, chunk.height, origins);
-    chunk.directions = gl::texture_2d("ray_directions", gl::TexelFormat::rgba32f, chunk.width,
-                                      chunk.height, directions);
+    chunk.texels = gl::texture_buffer("given_rays", gl::TexelFormat::rgba32f, texels);
     return chunk;
 }
 
@@ -98,7 +107,7 @@ uint64_t append_hits(const gl::Framebuffer& answers, size_t count, bool counters
     const std::vector<uint32_t> ids = gl::read_uints(answers.target(1));
     uint64_t sum = 0;
     for (size_t i = 0; i < count; ++i) {
-        const size_t at = 4 * texel_of_ray(i);
+        const size_t at = 4 * texel_of_ray(i, answers.height());
         result.hits.push_back(make_hit(&hits[at], &ids[at]));
         result.flags.push_back(ids[at + 2]);
         sum += ids[at + 3];
@@ -106,19 +115,33 @@ uint64_t append_hits(const gl::Framebuffer& answers, size_t count, bool counters
     if (!counters) return sum;
     const std::vector<uint32_t> counts = gl::read_uints(answers.target(2));
     for (size_t i = 0; i < count; ++i) {
-        result.counters.push_back(make_counters(&counts[4 * texel_of_ray(i)]));
+        result.counters.push_back(make_counters(&counts[4 * texel_of_ray(i, answers.height())]));
     }
     return sum;
 }
 
-uint64_t append_hits(const gl::Buffer& answers, size_t count, bool counters, CastResult& result) {
+AnswersOnDevice::AnswersOnDevice(size_t count, bool with_counters)
+    : hits("hits", count * sizeof(HitRecord)) {
+    if (with_counters) counters.emplace("counters", count * sizeof(glm::uvec4));
+}
+
+void AnswersOnDevice::give_to(gl::Program& program) const {
+    program.set_buffer("HitBuffer", hits);
+    if (counters) program.set_buffer("CounterBuffer", *counters);
+}
+
+uint64_t append_hits(const AnswersOnDevice& answers, size_t count, CastResult& result) {
     uint64_t sum = 0;
-    const std::vector<HitRecord> records = answers.read<HitRecord>();
+    const std::vector<HitRecord> records = answers.hits.read<HitRecord>();
     for (const HitRecord& record : std::span(records).first(count)) {
         result.hits.push_back(make_hit(&record.hit.x, &record.ids.x));
         result.flags.push_back(record.ids.z);
         sum += record.ids.w;
-        if (counters) result.counters.push_back(make_counters(&record.counters.x));
+    }
+    if (!answers.counters) return sum;
+    const std::vector<glm::uvec4> counters = answers.counters->read<glm::uvec4>();
+    for (const glm::uvec4& counts : std::span(counters).first(count)) {
+        result.counters.push_back(make_counters(&counts.x));
     }
     return sum;
 }

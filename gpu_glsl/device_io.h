@@ -16,30 +16,34 @@ namespace onepass {
 gl::TexelFormat texel_format(const TextureData& texture);
 gl::Texture upload_texture(const TextureData& texture);
 
-/// Rays of one chunk of a batch. Fragment: two textures, a ray a texel. Compute: one buffer.
+/// Rays of one chunk of a batch: for fragments or for compute shaders.
 struct ChunkOnDevice {
     size_t count = 0;
-    uint32_t width = 0;  ///< of the textures
+    uint32_t width = 0;  ///< fragments that they go to; some may get none
     uint32_t height = 0;
-    std::optional<gl::Texture> origins;
-    std::optional<gl::Texture> directions;
+    std::optional<gl::Texture> texels;  ///< two a ray
     std::optional<gl::Buffer> buffer;
+
+    /// What shaders/lib/given_rays.glsl asks for.
+    void give_to(gl::Program& program) const;
 };
 
 struct RaysOnDevice {
     std::vector<ChunkOnDevice> chunks;
 };
 
-ChunkOnDevice upload_to_textures(std::span<const Ray> rays);
+/// Rays that one chunk for fragments may hold, where a buffer texture may have that many texels.
+size_t most_rays_in_texels(int64_t most_texels);
+
+ChunkOnDevice upload_to_texels(std::span<const Ray> rays);
 ChunkOnDevice upload_to_buffer(std::span<const Ray> rays);
 
 /// The records of entry/cast_compute.glsl and entry/compute.glsl (std430).
 struct HitRecord {
     vec4 hit;
     glm::uvec4 ids;
-    glm::uvec4 counters;
 };
-static_assert(sizeof(HitRecord) == 48);
+static_assert(sizeof(HitRecord) == 32);
 
 struct PixelRecord {
     vec4 color;
@@ -50,11 +54,20 @@ struct PixelRecord {
 };
 static_assert(sizeof(PixelRecord) == 80);
 
-/// Adds the answers to `count` rays: from the targets of entry/cast_fragment.glsl, or from
-/// HitRecords. Returns the sum of ids.w, where a shader may leave a count of its own.
+/// Where a compute shader leaves its answers to the rays of a chunk.
+struct AnswersOnDevice {
+    AnswersOnDevice(size_t count, bool with_counters);
+    void give_to(gl::Program& program) const;
+
+    gl::Buffer hits;                     ///< HitRecords
+    std::optional<gl::Buffer> counters;  ///< uvec4: cells, tests, references, rays
+};
+
+/// Adds the answers to `count` rays: from the targets of entry/cast_fragment.glsl, or from buffers.
+/// Returns the sum of ids.w, where a shader may leave a count of its own.
 uint64_t append_hits(const gl::Framebuffer& answers, size_t count, bool counters,
                      CastResult& result);
-uint64_t append_hits(const gl::Buffer& answers, size_t count, bool counters, CastResult& result);
+uint64_t append_hits(const AnswersOnDevice& answers, size_t count, CastResult& result);
 
 /// Adds rows of pixels: from the targets of entry/fragment.glsl, or from PixelRecords. Returns as
 /// append_hits; 0 without AOVs.

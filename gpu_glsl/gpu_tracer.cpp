@@ -30,7 +30,7 @@ class GpuTracer final : public Tracer {
           library_(library),
           context_(context),
           glsl_version_(glsl_version_for(prepared_.info, entry, context.description().gl)) {
-        prepared_.loops_are_cut = context.description().software;
+        prepared_.is_software = context.description().software;
         for (const TextureData& texture : prepared_.inputs.textures) {
             textures_.push_back(upload_texture(texture));
         }
@@ -57,7 +57,7 @@ class GpuTracer final : public Tracer {
         auto resident = std::make_shared<RaysOnDevice>();
         for (size_t first = 0; first < rays.size(); first += max_chunk_rays()) {
             const auto part = rays.subspan(first, std::min(max_chunk_rays(), rays.size() - first));
-            resident->chunks.push_back(entry_ == GpuEntry::fragment ? upload_to_textures(part)
+            resident->chunks.push_back(entry_ == GpuEntry::fragment ? upload_to_texels(part)
                                                                     : upload_to_buffer(part));
         }
         return {rays.size(), std::move(resident)};
@@ -125,19 +125,18 @@ class GpuTracer final : public Tracer {
 
   private:
     size_t max_chunk_rays() const {
-        size_t rays = kMaxChunkRays;
-        if (entry_ == GpuEntry::compute) {
-            rays = std::min(
-                rays, static_cast<size_t>(context_.limits().max_ssbo_bytes) / sizeof(HitRecord));
-        }
-        return rays;
+        const gl::GlLimits& limits = context_.limits();
+        const size_t most = entry_ == GpuEntry::compute
+                                ? static_cast<size_t>(limits.max_ssbo_bytes) / sizeof(HitRecord)
+                                : most_rays_in_texels(limits.max_texture_buffer_size);
+        return std::min(kMaxChunkRays, most);
     }
 
     /// The device has them now.
     void give_texels_back() {
         for (TextureData& texture : prepared_.inputs.textures) {
-            texture.texels = {};
-            texture.words = {};
+            give_back(texture.texels);
+            give_back(texture.words);
         }
     }
 
@@ -244,8 +243,7 @@ class GpuTracer final : public Tracer {
         if (options.counters) targets.push_back(gl::TexelFormat::rgba32ui);
         gl::Framebuffer framebuffer(chunk.width, chunk.height, targets);
         gl::Program& program = cast_program(options);
-        program.set_texture("ray_origins", *chunk.origins);
-        program.set_texture("ray_directions", *chunk.directions);
+        chunk.give_to(program);
         add_time(gl::finish_and_time(context_, [&] { gl::draw_fullscreen(program, framebuffer); }),
                  result);
 
@@ -254,10 +252,10 @@ class GpuTracer final : public Tracer {
     }
 
     void cast_compute(const ChunkOnDevice& chunk, const CastOptions& options, CastResult& result) {
-        const gl::Buffer hit_buffer("hits", chunk.count * sizeof(HitRecord));
+        const AnswersOnDevice answers(chunk.count, options.counters);
         gl::Program& program = cast_program(options);
         program.set_buffer("RayBuffer", *chunk.buffer);
-        program.set_buffer("HitBuffer", hit_buffer);
+        answers.give_to(program);
         program.set_uniform("ray_count", static_cast<int32_t>(chunk.count));
 
         // Groups in two dimensions: one dimension holds at least 65,535.
@@ -271,7 +269,7 @@ class GpuTracer final : public Tracer {
                  result);
 
         if (!options.answers) return;
-        append_hits(hit_buffer, chunk.count, options.counters, result);
+        append_hits(answers, chunk.count, result);
     }
 
     // ---- Render --------------------------------------------------------------------------------

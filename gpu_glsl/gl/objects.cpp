@@ -214,6 +214,8 @@ size_t bytes_per_texel(TexelFormat format) {
 Texture::Texture(std::string name, GLenum target, TexelFormat format, const glm::uvec3& size)
     : name_(std::move(name)), target_(target), format_(format), size_(size) {}
 
+GLenum Texture::gl_format() const { return format_info(format_).internal_format; }
+
 size_t Texture::bytes() const {
     return size_t{size_.x} * size_.y * size_.z * bytes_per_texel(format_);
 }

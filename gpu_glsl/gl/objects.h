@@ -103,6 +103,7 @@ class Texture {
     GLuint id() const { return id_.id(); }
     GLenum target() const { return target_; }
     TexelFormat format() const { return format_; }
+    GLenum gl_format() const;                         ///< GL's name of it
     const glm::uvec3& size() const { return size_; }  ///< texels; 1 on axes it lacks
     size_t bytes() const;
     const std::string& name() const { return name_; }
@@ -244,7 +245,8 @@ class Program {
     void set_uniform(const std::string& uniform, std::span<const glm::vec4> values,
                      Missing missing = Missing::error);
 
-    /// Lets a sampler read `texture`, which must outlive every launch.
+    /// Lets a sampler read `texture`, or an image of that name a buffer texture. It must outlive
+    /// every launch.
     /// Throws: Error as set_uniform.
     void set_texture(const std::string& sampler, const Texture& texture,
                      Missing missing = Missing::error);
@@ -287,6 +289,10 @@ class Program {
         GLenum target = 0;
         GLuint texture = 0;
     };
+    struct ImageBinding {
+        GLuint texture = 0;
+        GLenum format = 0;
+    };
 
     const Uniform* find_uniform(const std::string& uniform, Missing missing) const;
     const Uniform* typed_uniform(const std::string& uniform, GLenum type, size_t count,
@@ -297,10 +303,12 @@ class Program {
     std::string name_;
     Handle id_;
     std::map<std::string, Uniform> uniforms_;
-    std::vector<std::string> samplers_;     ///< index = texture unit
-    std::vector<TextureBinding> textures_;  ///< by texture unit
-    std::vector<std::string> blocks_;       ///< index = binding point
-    std::vector<GLuint> buffers_;           ///< by binding point
+    std::vector<std::string> samplers_;         ///< index = texture unit
+    std::vector<TextureBinding> textures_;      ///< by texture unit
+    std::vector<std::string> images_;           ///< index = image unit
+    std::vector<ImageBinding> image_textures_;  ///< by image unit
+    std::vector<std::string> blocks_;           ///< index = binding point
+    std::vector<GLuint> buffers_;               ///< by binding point
 };
 
 /// One triangle that covers the whole framebuffer, without vertex buffers: the vertex shader makes

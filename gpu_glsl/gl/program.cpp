@@ -55,6 +55,10 @@ const char* type_name(GLenum type) {
             return "usampler3D";
         case GL_UNSIGNED_INT_SAMPLER_BUFFER:
             return "usamplerBuffer";
+        case GL_IMAGE_BUFFER:
+            return "imageBuffer";
+        case GL_UNSIGNED_INT_IMAGE_BUFFER:
+            return "uimageBuffer";
         default:
             return "another type";
     }
@@ -67,11 +71,16 @@ constexpr GLenum kSamplerTypes[] = {GL_SAMPLER_2D,
                                     GL_UNSIGNED_INT_SAMPLER_3D,
                                     GL_UNSIGNED_INT_SAMPLER_BUFFER};
 
+constexpr GLenum kImageTypes[] = {GL_IMAGE_BUFFER, GL_UNSIGNED_INT_IMAGE_BUFFER};
+
+bool holds_integers(const Texture& texture) {
+    return texture.format() == TexelFormat::r32ui || texture.format() == TexelFormat::rg32ui ||
+           texture.format() == TexelFormat::rgba32ui;
+}
+
 /// The sampler type that reads a texture.
 GLenum sampler_type(const Texture& texture) {
-    const bool integers = texture.format() == TexelFormat::r32ui ||
-                          texture.format() == TexelFormat::rg32ui ||
-                          texture.format() == TexelFormat::rgba32ui;
+    const bool integers = holds_integers(texture);
     switch (texture.target()) {
         case GL_TEXTURE_2D:
             return integers ? GL_UNSIGNED_INT_SAMPLER_2D : GL_SAMPLER_2D;
@@ -80,6 +89,12 @@ GLenum sampler_type(const Texture& texture) {
         default:
             return integers ? GL_UNSIGNED_INT_SAMPLER_BUFFER : GL_SAMPLER_BUFFER;
     }
+}
+
+/// The image type that reads a buffer texture.
+GLenum image_type(const Texture& buffer_texture) {
+    ONEPASS_CHECK(buffer_texture.buffer_id() != 0);
+    return holds_integers(buffer_texture) ? GL_UNSIGNED_INT_IMAGE_BUFFER : GL_IMAGE_BUFFER;
 }
 
 Handle compile(const std::string& program_name, const ComposedShader& stage) {
@@ -163,7 +178,8 @@ Program::Program(std::string name, const std::vector<ComposedShader>& stages)
 }
 
 void Program::read_interface() {
-    // Uniforms by name; an array goes by its bare name. Each sampler gets a texture unit.
+    // Uniforms by name; an array goes by its bare name. Each sampler gets a texture unit, each
+    // image an image unit.
     glUseProgram(id());
     GLint count = 0;
     GLint longest = 0;
@@ -182,9 +198,14 @@ void Program::read_interface() {
             glUniform1i(info.location, static_cast<GLint>(samplers_.size()));
             samplers_.push_back(uniform);
         }
+        if (std::ranges::find(kImageTypes, info.type) != std::end(kImageTypes)) {
+            glUniform1i(info.location, static_cast<GLint>(images_.size()));
+            images_.push_back(uniform);
+        }
         uniforms_[uniform] = info;
     }
     textures_.resize(samplers_.size());
+    image_textures_.resize(images_.size());
 
     // Storage blocks; each gets a binding point.
     if (!GLAD_GL_VERSION_4_3) return;
@@ -299,6 +320,13 @@ void Program::set_uniform(const std::string& uniform, std::span<const glm::vec4>
 }
 
 void Program::set_texture(const std::string& sampler, const Texture& texture, Missing missing) {
+    const auto image = std::ranges::find(images_, sampler);
+    if (image != images_.end()) {
+        typed_uniform(sampler, image_type(texture), 1, missing);
+        image_textures_[static_cast<size_t>(image - images_.begin())] = {texture.id(),
+                                                                         texture.gl_format()};
+        return;
+    }
     if (!typed_uniform(sampler, sampler_type(texture), 1, missing)) return;
     const auto unit = std::ranges::find(samplers_, sampler) - samplers_.begin();
     textures_[static_cast<size_t>(unit)] = {texture.target(), texture.id()};
@@ -341,7 +369,9 @@ void Program::use() const {
     const auto nothing_given = [&](const std::string& what) {
         return Error({.where = fmt::format("program '{}'", name_),
                       .got = fmt::format("nothing for {}", what),
-                      .expected = "a texture for every sampler, a buffer for every storage block",
+                      .expected =
+                          "a texture for every sampler and image, a buffer for every storage "
+                          "block",
                       .remedy = "Call set_texture or set_buffer before the launch."});
     };
     glUseProgram(id());
@@ -349,6 +379,12 @@ void Program::use() const {
         if (textures_[unit].texture == 0) throw nothing_given("sampler " + samplers_[unit]);
         glActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(unit));
         glBindTexture(textures_[unit].target, textures_[unit].texture);
+    }
+    for (size_t unit = 0; unit < image_textures_.size(); ++unit) {
+        const ImageBinding& image = image_textures_[unit];
+        if (image.texture == 0) throw nothing_given("image " + images_[unit]);
+        glBindImageTexture(static_cast<GLuint>(unit), image.texture, 0, GL_FALSE, 0, GL_READ_ONLY,
+                           image.format);
     }
     for (size_t binding = 0; binding < buffers_.size(); ++binding) {
         if (buffers_[binding] == 0) throw nothing_given("storage block " + blocks_[binding]);

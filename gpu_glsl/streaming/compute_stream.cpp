@@ -150,10 +150,10 @@ Run ComputeStream::cast(const ChunkOnDevice& chunk, CastResult& result) {
     for_all_programs([&](gl::Program& program) {
         program.set_buffer("RayBuffer", *chunk.buffer, gl::Missing::allowed);
     });
-    const gl::Buffer results("hits", chunk.count * sizeof(HitRecord));
-    resolve_.set_buffer("HitBuffer", results);
+    const AnswersOnDevice answers(chunk.count, variant_.counters);
+    answers.give_to(resolve_);
     Run done = run();
-    done.grid_bytes = append_hits(results, chunk.count, variant_.counters, result);
+    done.grid_bytes = append_hits(answers, chunk.count, result);
     return done;
 }
 

@@ -211,8 +211,7 @@ Run RasterStream::cast(const ChunkOnDevice& chunk, CastResult& result) {
     for (KernelPrograms& programs : kernels_) {
         for (gl::Program* program : {&programs.kernel, programs.copy ? &*programs.copy : nullptr}) {
             if (program == nullptr) continue;
-            program->set_texture("ray_origins", *chunk.origins);
-            program->set_texture("ray_directions", *chunk.directions);
+            chunk.give_to(*program);
         }
     }
     std::vector<gl::TexelFormat> targets = {gl::TexelFormat::rgba32f, gl::TexelFormat::rgba32ui};

@@ -29,7 +29,7 @@ class RasterStream {
     RasterStream(const Shaders& shaders, const gl::GlContext& context, const Variant& variant,
                  bool measures_copies);
 
-    static ChunkOnDevice upload(std::span<const Ray> rays) { return upload_to_textures(rays); }
+    static ChunkOnDevice upload(std::span<const Ray> rays) { return upload_to_texels(rays); }
     /// The text of all kernels of a run over given rays.
     static std::string cast_text(const Shaders& shaders);
 

@@ -49,7 +49,7 @@ class StreamingTracer final : public Tracer {
         for (TextureData& texture : prepared_.inputs.textures) {
             textures_.push_back(upload_texture(texture));
             // The device has it now: give the memory back.
-            texture.texels = {};
+            give_back(texture.texels);
         }
         shader_hash_ = gl::fnv1a_hex(Stream::cast_text(shaders_));
     }

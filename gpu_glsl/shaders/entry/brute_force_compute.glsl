@@ -9,12 +9,16 @@ struct RayRecord {
     vec4 direction;  // dir, tmax
 };
 struct HitRecord {
-    vec4 hit;        // t, u, v
-    uvec4 ids;       // prim_id, inst_id, flags
-    uvec4 counters;  // cells, tests, references, rays
+    vec4 hit;   // t, u, v
+    uvec4 ids;  // prim_id, inst_id, flags
 };
 layout(std430, binding = 0) readonly buffer RayBuffer { RayRecord rays[]; };
 layout(std430, binding = 1) buffer HitBuffer { HitRecord hits[]; };
+#if NEEDS(count_work)
+layout(std430, binding = 2) buffer CounterBuffer {
+    uvec4 counters[];  // cells, tests, references, rays
+};
+#endif
 
 UNIFORM(int, ray_count)
 UNIFORM(bool, is_first_chunk)
@@ -32,11 +36,15 @@ void main() {
         HitRecord last = hits[index];
         hit = Hit(last.hit.x, last.hit.y, last.hit.z, last.ids.x, last.ids.y);
         ray_flags = last.ids.z;
-        triangle_tests = last.counters.y;
+#if NEEDS(count_work)
+        triangle_tests = counters[index].y;
+#endif
     }
     test_chunk(Ray(record.origin.xyz, record.origin.w, record.direction.xyz, record.direction.w),
                hit);
     hits[index] = HitRecord(vec4(hit.t, hit.u, hit.v, 0.0),
-                            uvec4(hit.prim_id, hit.inst_id, ray_flags, 0u),
-                            uvec4(0u, triangle_tests, 0u, 1u));
+                            uvec4(hit.prim_id, hit.inst_id, ray_flags, 0u));
+#if NEEDS(count_work)
+    counters[index] = uvec4(0u, triangle_tests, 0u, 1u);
+#endif
 }

@@ -1,9 +1,8 @@
 // Entry: one chunk of tests for given rays, one a fragment; outputs as cast_fragment.glsl. What the
 // last chunk put out comes back in three textures.
 #include "brute_force/test_chunk.glsl"
+#include "lib/given_rays.glsl"
 
-TEXTURE2D(ray_origins)     // org, tmin
-TEXTURE2D(ray_directions)  // dir, tmax
 TEXTURE2D(last_hit)
 uniform usampler2D last_ids;
 uniform usampler2D last_counters;
@@ -15,8 +14,6 @@ layout(location = 2) out uvec4 out_counters;  // cells, tests, references, rays
 
 void main() {
     ivec2 at = ivec2(gl_FragCoord.xy);
-    vec4 origin = FETCH2D(ray_origins, at);
-    vec4 direction = FETCH2D(ray_directions, at);
     reset_counters();
     Hit hit = no_hit();
     if (!is_first_chunk) {
@@ -26,7 +23,7 @@ void main() {
         ray_flags = ids.z;
         if (count_work) triangle_tests = FETCH2D(last_counters, at).y;
     }
-    test_chunk(Ray(origin.xyz, origin.w, direction.xyz, direction.w), hit);
+    test_chunk(given_ray(at), hit);
     out_hit = vec4(hit.t, hit.u, hit.v, 0.0);
     out_ids = uvec4(hit.prim_id, hit.inst_id, ray_flags, 0u);
     out_counters = uvec4(0u, triangle_tests, 0u, 1u);

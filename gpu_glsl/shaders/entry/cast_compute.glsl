@@ -13,12 +13,16 @@ struct RayRecord {
     vec4 direction;  // dir, tmax
 };
 struct HitRecord {
-    vec4 hit;        // t, u, v
-    uvec4 ids;       // prim_id, inst_id, flags
-    uvec4 counters;  // cells, tests, references, rays
+    vec4 hit;   // t, u, v
+    uvec4 ids;  // prim_id, inst_id, flags
 };
 layout(std430, binding = 0) volatile readonly buffer RayBuffer { RayRecord rays[]; };
 layout(std430, binding = 1) writeonly buffer HitBuffer { HitRecord hits[]; };
+#if NEEDS(count_work)
+layout(std430, binding = 2) writeonly buffer CounterBuffer {
+    uvec4 counters[];  // cells, tests, references, rays
+};
+#endif
 
 UNIFORM(int, ray_count)
 
@@ -42,6 +46,8 @@ void main() {
     reset_counters();
     Hit hit = closest_hit(read_ray());
     hits[index] = HitRecord(vec4(hit.t, hit.u, hit.v, 0.0),
-                            uvec4(hit.prim_id, hit.inst_id, ray_flags, 0u),
-                            uvec4(cells_visited, triangle_tests, references_read, 1u));
+                            uvec4(hit.prim_id, hit.inst_id, ray_flags, 0u));
+#if NEEDS(count_work)
+    counters[index] = uvec4(cells_visited, triangle_tests, references_read, 1u);
+#endif
 }
