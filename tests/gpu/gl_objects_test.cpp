@@ -183,6 +183,25 @@ TEST_F(GlObjects, every_kind_of_table_is_read_at_its_texel) {
     }
 }
 
+TEST_F(GlCompute, buffer_textures_are_loaded_as_images) {
+    const std::vector<float> floats = ramp(4 * kWidth);
+    const std::vector<uint32_t> uints = {7, 0, 5, 100, 3};
+    const Texture vectors = texture_buffer("vectors", TexelFormat::rgba32f, floats);
+    const Texture words = texture_buffer("words", TexelFormat::r32ui, uints);
+    const Buffer sums("sums", floats.size() * sizeof(float));
+    Program program("images", {compose("compute", "entry/images.glsl")});
+    program.set_texture("vectors", vectors);
+    program.set_buffer("Sums", sums);
+    EXPECT_EQ(error_of([&] { dispatch(program, {kWidth, 1, 1}); }).got, "nothing for image words");
+    EXPECT_EQ(error_of([&] { program.set_texture("words", vectors); }).got, "1 x imageBuffer");
+    program.set_texture("words", words);
+    dispatch(program, {kWidth, 1, 1});
+    const std::vector<float> got = sums.read<float>();
+    for (size_t i = 0; i < got.size(); ++i) {
+        EXPECT_EQ(got[i], floats[i] + static_cast<float>(uints[i / 4])) << i;
+    }
+}
+
 TEST_F(GlObjects, interleaved_programs_each_keep_their_textures) {
     const Framebuffer framebuffer(1, 1, {TexelFormat::rgba32f, TexelFormat::rgba32ui});
     const auto make = [&](const Texture& table) {

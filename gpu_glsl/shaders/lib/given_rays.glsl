@@ -1,9 +1,9 @@
 // The rays that are given to fragments, one to each.
 //
-// They lie in a buffer in the order in which they were given, and go to fragments in the order in which
-// a software renderer goes through those: in strips 64 wide, a row of 4 x 4 fragments after the
-// other. So it reads them one after the other, and rays that follow each other run together: 8 on a
-// CPU, on a GPU the 8 x 4 of a warp, more or less. (device_io.cpp: texel_of_ray.)
+// They lie in a buffer in the order in which they were given, and go to fragments in that in which
+// a software renderer goes through those: in strips 64 wide, one row of blocks of 4 x 4 after the
+// other. So it reads them one after the other, and rays that follow each other run together: 8 on
+// a CPU, on a GPU the 8 x 4 of a warp, more or less. (device_io.cpp: texel_of_ray.)
 #pragma once
 #include "lib/ray.glsl"
 

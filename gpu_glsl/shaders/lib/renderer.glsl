@@ -18,7 +18,7 @@ uint anew(uint n, uint id) { return n + (id >> 31u); }
 // ---- Tables ------------------------------------------------------------------------------------
 
 // Buffers of a `uint` or a `vec4` to a texel, which a walk reads at every step. A software renderer
-// calls a function for each texel of a buffer texture; what it loads from an image it loads in place.
+// calls a function for each texel of a buffer texture; those of an image it loads in place.
 #ifndef ONEPASS_TWIN
 #if NEEDS(is_software)
 #define WORD_TABLE(name) layout(r32ui) readonly uniform uimageBuffer name;

@@ -69,8 +69,8 @@ Findings no_findings() {
 // It returns at its end only, and gives every variable a value before any branch: one that a branch
 // alone sets is kept, by compilers that cannot tell, in registers all round the loop that calls
 // this. Loops ask at their end whether to turn: a software renderer has no other jumps, and goes
-// through one that asks at its beginning once more than it turns. (Whether a driver ended one before,
-// no variable here can tell: lib/loops.glsl does.)
+// through one that asks at its beginning once more than it turns. (Whether a driver ended one before
+// that, no variable here can tell: lib/loops.glsl does.)
 Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, double t_nearest,
                         uint found, Findings earlier) {
     Findings now = no_findings();

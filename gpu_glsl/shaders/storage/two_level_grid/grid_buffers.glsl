@@ -4,8 +4,7 @@
 //   uint reference_word(int index)
 //   vec4 planes_texel(int index)
 //
-// two that a decision reads, of a triangle its vertices and what the scene calls it, and of an object
-// its vertices:
+// two that a decision reads, which vertices a triangle has, and those:
 //
 //   uvec4 corners_texel(int index)
 //   vec4 vertex_texel(int index)
@@ -19,7 +18,8 @@
 // frame of an object's grid is scaled by the power of two that makes its largest coordinate 1/2 to
 // 1. Both are exact: no vertex is ever moved.
 //
-// Triangles are stored in an order of their own (core/storage_order.h), and named by their slots in it.
+// Triangles are stored in an order of their own (core/storage_order.h), and named by their slots
+// in it.
 #pragma once
 #include "lib/dialect.glsl"
 #include "lib/ray.glsl"
