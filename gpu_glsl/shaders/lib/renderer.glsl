@@ -17,15 +17,18 @@ uint anew(uint n, uint id) { return n + (id >> 31u); }
 
 // ---- Tables ------------------------------------------------------------------------------------
 
-// Buffers of a `uint` or a `vec4` to a texel, which a walk reads at every step. A software renderer
-// calls a function for each texel of a buffer texture; those of an image it loads in place.
+// Buffers of a `uint`, a `uvec4` or a `vec4` to a texel, which a walk reads at every step. A
+// software renderer calls a function for each texel of a buffer texture; those of an image it loads
+// in place.
 #ifndef ONEPASS_TWIN
 #if NEEDS(is_software)
 #define WORD_TABLE(name) layout(r32ui) readonly uniform uimageBuffer name;
+#define RECORD_TABLE(name) layout(rgba32ui) readonly uniform uimageBuffer name;
 #define VECTOR_TABLE(name) layout(rgba32f) readonly uniform imageBuffer name;
 #define FETCHTABLE(name, index) imageLoad(name, index)
 #else
 #define WORD_TABLE(name) UBUFFER(name)
+#define RECORD_TABLE(name) UBUFFER(name)
 #define VECTOR_TABLE(name) BUFFER(name)
 #define FETCHTABLE(name, index) FETCHBUFFER(name, index)
 #endif

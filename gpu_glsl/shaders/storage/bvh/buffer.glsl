@@ -1,14 +1,14 @@
 // Bounding volume hierarchies in buffer textures (storage/bvh/trees.glsl).
 #pragma once
-#include "lib/dialect.glsl"
+#include "lib/renderer.glsl"
 
-UBUFFER(bvh_nodes)
-BUFFER(bvh_planes)
+RECORD_TABLE(bvh_nodes)
+VECTOR_TABLE(bvh_planes)
 BUFFER(bvh_vertices)
 UBUFFER(bvh_primitives)
 
-uvec4 node_texel(int index) { return FETCHBUFFER(bvh_nodes, index); }
-vec4 planes_texel(int index) { return FETCHBUFFER(bvh_planes, index); }
+uvec4 node_texel(int index) { return FETCHTABLE(bvh_nodes, index); }
+vec4 planes_texel(int index) { return FETCHTABLE(bvh_planes, index); }
 vec4 vertex_texel(int index) { return FETCHBUFFER(bvh_vertices, index); }
 uint primitive_word(int index) { return FETCHBUFFER(bvh_primitives, index).x; }
 
