@@ -6,7 +6,6 @@
 #include <bit>
 #include <utility>
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 namespace onepass {
@@ -25,23 +24,23 @@ uint32_t spread(uint32_t bits) {
 /// Cubes in a box, along the curve.
 class Cubes {
   public:
-    Cubes(const Bounds& box, int bits_an_axis)
-        : lower_(box.lower), most_(float((1 << bits_an_axis) - 1)) {
-        const vec3 extent = box.upper - box.lower;
-        const float edge = std::max({extent.x, extent.y, extent.z});
-        per_unit_ = edge > 0.0f ? (most_ + 1.0f) / edge : 0.0f;
+    Cubes(const Bounds& box, int bits_an_axis) : lower_(box.lower), most_((1 << bits_an_axis) - 1) {
+        const dvec3 extent = dvec3(box.upper) - lower_;
+        const double edge = std::max({extent.x, extent.y, extent.z});
+        per_unit_ = edge > 0.0 ? (most_ + 1.0) / edge : 0.0;
     }
 
-    /// Of the cube that a point lies in: by rounding it may be a neighbour.
+    /// Of the cube that a point lies in. (In doubles, which hold the extent of any floats.)
     uint32_t code(const vec3& point) const {
-        const uvec3 place(glm::clamp((point - lower_) * per_unit_, vec3(0.0f), vec3(most_)));
+        const uvec3 place(
+            glm::clamp((dvec3(point) - lower_) * per_unit_, dvec3(0.0), dvec3(most_)));
         return spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2;
     }
 
   private:
-    vec3 lower_;
-    float most_;
-    float per_unit_ = 0.0f;
+    dvec3 lower_;
+    double most_;
+    double per_unit_ = 0.0;
 };
 
 /// Calls visit(part, begin, end) for equal parts of 0 .. count, at the same time.
@@ -57,7 +56,7 @@ void for_each_part(size_t count, const Visit& visit) {
 
 RawVector<uint32_t> storage_slots(const Object& object, const Bounds& box) {
     const size_t count = object.triangles.size();
-    const int bits = std::min(static_cast<int>(std::bit_width(count)) / 3, kMostBitsAnAxis);
+    const int bits = std::min((static_cast<int>(std::bit_width(count)) - 1) / 3, kMostBitsAnAxis);
     const Cubes cubes(box, bits);
 
     // Which cubes, which wait where the slots will be; and how many triangles of each part.

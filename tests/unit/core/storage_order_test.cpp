@@ -2,6 +2,7 @@
 #include "core/storage_order.h"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <utility>
@@ -81,6 +82,21 @@ TEST(StorageOrder, puts_those_of_one_cube_by_number) {
     points.positions[1] = points.positions[0];  // a box without an extent
     EXPECT_EQ(stored(points), (std::vector<uint32_t>{0, 1, 2, 3, 4, 5, 6, 7}));
     EXPECT_TRUE(storage_slots(Object{}, Bounds{}).empty());
+}
+
+TEST(StorageOrder, takes_any_finite_numbers) {
+    constexpr float kMost = std::numeric_limits<float>::max();
+    constexpr float kLeast = std::numeric_limits<float>::denorm_min();
+    for (const float size : {kMost, kLeast}) {
+        Object corners;
+        for (uint32_t i = 0; i < 64; ++i) {
+            corners.positions.push_back(size *
+                                        vec3(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1));
+            corners.triangles.push_back(uvec3(i));
+        }
+        const std::vector<uint32_t> order = stored(corners);
+        for (size_t i = 0; i < order.size(); ++i) EXPECT_EQ(order[i] % 8, i / 8);
+    }
 }
 
 }  // namespace
