@@ -2,6 +2,8 @@
 // without one wrong hit.
 #include <algorithm>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -219,6 +221,23 @@ Object doubled(Object object) {
     return object;
 }
 
+/// The instances and triangles in each cell's list, cell by cell.
+std::vector<std::vector<uvec2>> triangles_in_cells(const FlatGrid& flat, const Scene& scene) {
+    std::vector<std::vector<uvec2>> cells;
+    for (uint64_t i = 0; i < flat.grid.cell_count(); ++i) {
+        std::vector<uvec2>& cell = cells.emplace_back();
+        for (uint32_t k = flat.grid.cell_begin[i]; k < flat.grid.cell_begin[i + 1]; ++k) {
+            const uint32_t at = flat.grid.references[k];
+            const auto behind = std::ranges::upper_bound(flat.first, at);
+            const auto inst_id = static_cast<uint32_t>(behind - flat.first.begin() - 1);
+            const uint32_t object = scene.instances[inst_id].object;
+            cell.emplace_back(inst_id, flat.listed[object][at - flat.first[inst_id]]);
+        }
+        std::ranges::sort(cell, {}, [](const uvec2& name) { return std::pair(name.x, name.y); });
+    }
+    return cells;
+}
+
 TEST_F(FlatGridStrategy, a_triangle_that_equals_a_lower_one_of_its_object_is_in_no_list) {
     const Scene once = balls_at({affine_identity(), affine_identity()});
     Scene twice = once;
@@ -227,7 +246,9 @@ TEST_F(FlatGridStrategy, a_triangle_that_equals_a_lower_one_of_its_object_is_in_
     const FlatGrid flat = build_flat_grid(twice, {});
     EXPECT_EQ(flat.first.back(), 2 * once.objects.front().triangles.size())
         << "the other instance's stay";
-    EXPECT_EQ(flat.grid, expected.grid);
+    EXPECT_EQ(flat.grid.bounds, expected.grid.bounds);
+    EXPECT_EQ(flat.grid.dims, expected.grid.dims);
+    EXPECT_EQ(triangles_in_cells(flat, twice), triangles_in_cells(expected, once));
     const std::vector<Ray> rays = primary_rays(once, 32, 32);
     expect_same_bits(cast(*make(kTwin, share(twice)), rays).hits,
                      cast(*make(kTwoLevels, share(once)), rays).hits, "every triangle twice");
