@@ -21,26 +21,29 @@ uint32_t spread(uint32_t bits) {
     return (bits | bits << 2) & 0x09249249u;
 }
 
-/// Cubes in a box, along the curve.
+/// Cubes in a box, along the curve. (Counted in halves, so that the extent of any finite floats is
+/// finite; what is too small for an inverse is one cube.)
 class Cubes {
   public:
-    Cubes(const Bounds& box, int bits_an_axis) : lower_(box.lower), most_((1 << bits_an_axis) - 1) {
-        const dvec3 extent = dvec3(box.upper) - lower_;
-        const double edge = std::max({extent.x, extent.y, extent.z});
-        per_unit_ = edge > 0.0 ? (most_ + 1.0) / edge : 0.0;
+    Cubes(const Bounds& box, int bits_an_axis)
+        : lower_(0.5f * box.lower), most_(static_cast<float>((1 << bits_an_axis) - 1)) {
+        constexpr float kLeastEdge = 1e-30f;
+        const vec3 extent = 0.5f * box.upper - lower_;
+        const float edge = std::max({extent.x, extent.y, extent.z});
+        per_unit_ = edge > kLeastEdge ? (most_ + 1.0f) / edge : 0.0f;
     }
 
-    /// Of the cube that a point lies in. (In doubles, which hold the extent of any floats.)
+    /// Of the cube that a point lies in: by rounding it may be a neighbour.
     uint32_t code(const vec3& point) const {
-        const uvec3 place(
-            glm::clamp((dvec3(point) - lower_) * per_unit_, dvec3(0.0), dvec3(most_)));
+        const vec3 at = (0.5f * point - lower_) * per_unit_;
+        const uvec3 place(glm::clamp(at, vec3(0.0f), vec3(most_)));
         return spread(place.x) | spread(place.y) << 1 | spread(place.z) << 2;
     }
 
   private:
-    dvec3 lower_;
-    double most_;
-    double per_unit_ = 0.0;
+    vec3 lower_;
+    float most_;
+    float per_unit_ = 0.0f;
 };
 
 /// Calls visit(part, begin, end) for equal parts of 0 .. count, at the same time.
