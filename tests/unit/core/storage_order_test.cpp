@@ -63,6 +63,7 @@ TEST(StorageOrder, keeps_together_what_lies_together) {
     const std::vector<uint32_t> order = stored(ball);
     std::vector<uint32_t> as_given(ball.triangles.size());
     std::iota(as_given.begin(), as_given.end(), 0u);
+    // Of one cube, 1/16 of the ball wide, they are at most 0.22 apart; any two are 1.33 on average.
     EXPECT_LT(mean_step(ball, order), 0.3f * mean_step(ball, as_given));
 }
 
