@@ -16,9 +16,10 @@
 namespace onepass {
 namespace {
 
-/// A tile is what 32 rays of a GPU see together, and its parts what 8 of a CPU's vector do: each as
-/// nearly square as may be.
+/// A tile is what 32 rays of a GPU see together, its halves what two vectors of a CPU do, its parts
+/// what one of 8 does: each as nearly square as may be.
 constexpr uvec2 kTile = {8, 4};
+constexpr uvec2 kTileHalf = {4, 4};
 constexpr uvec2 kTilePart = {4, 2};
 
 /// Calls `visit` with the corners of each of the blocks, `size` a side, that an area from `lower`
@@ -219,7 +220,9 @@ std::vector<uint32_t> pixel_order(uint32_t width, uint32_t height, bool tiled) {
         return order;
     }
     for_each_block(uvec2(0), whole, kTile, [&](const uvec2& lower, const uvec2& upper) {
-        for_each_block(lower, upper, kTilePart, add_pixels);
+        for_each_block(lower, upper, kTileHalf, [&](const uvec2& first, const uvec2& end) {
+            for_each_block(first, end, kTilePart, add_pixels);
+        });
     });
     return order;
 }

@@ -42,8 +42,8 @@ struct RayRequest {
     uint64_t seed = 0;
 };
 
-/// Pixels in the order in which rays are cast: 8 x 4-pixel tiles of 4 x 2-pixel parts (`tiled`), or
-/// scan lines. Tiles and parts cut off by the image's border are smaller.
+/// Pixels in the order in which rays are cast: 8 x 4-pixel tiles, whose halves of 4 x 4 consist of
+/// parts of 4 x 2 (`tiled`), or scan lines. What the image's border cuts off is smaller.
 std::vector<uint32_t> pixel_order(uint32_t width, uint32_t height, bool tiled);
 
 /// Pairs (a, b) of uniform points in the box: org = a, dir = b - a, tmin = 0, tmax = inf.

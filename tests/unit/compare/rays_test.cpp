@@ -46,14 +46,14 @@ FakeTracer square_tracer() {
     return tracer;
 }
 
-TEST(PixelOrder, walks_tiles_of_eight_by_four_in_parts_of_four_by_two) {
+TEST(PixelOrder, walks_tiles_of_eight_by_four_in_halves_and_parts_of_four_by_two) {
     const auto order = pixel_order(16, 8, true);
     ASSERT_EQ(order.size(), 128u);
     EXPECT_EQ(order[0], 0u);
     EXPECT_EQ(order[3], 3u);
     EXPECT_EQ(order[4], 16u) << "the part's second row";
-    EXPECT_EQ(order[8], 4u) << "the second part";
-    EXPECT_EQ(order[16], 32u) << "the second row of parts";
+    EXPECT_EQ(order[8], 32u) << "the half's second part";
+    EXPECT_EQ(order[16], 4u) << "the second half";
     EXPECT_EQ(order[32], 8u) << "the second tile";
     EXPECT_EQ(order[64], 64u) << "the second row of tiles";
 }
@@ -66,6 +66,16 @@ TEST(PixelOrder, keeps_the_8_rays_of_a_part_together) {
             EXPECT_EQ(order[ray] % width / 4, order[first] % width / 4) << "ray " << ray;
             EXPECT_EQ(order[ray] / width / 2, order[first] / width / 2) << "ray " << ray;
         }
+    }
+}
+
+TEST(PixelOrder, keeps_the_16_rays_of_a_half_together) {
+    const uint32_t width = 64, height = 32;
+    const auto order = pixel_order(width, height, true);
+    for (size_t ray = 0; ray < order.size(); ++ray) {
+        const uint32_t first = order[ray / 16 * 16];
+        EXPECT_EQ(order[ray] % width / 4, first % width / 4) << "ray " << ray;
+        EXPECT_EQ(order[ray] / width / 4, first / width / 4) << "ray " << ray;
     }
 }
 
