@@ -54,130 +54,198 @@ struct Findings {
     Candidates candidates;
     float start;   // t of the ray where its course begins
     bool is_over;  // the walk went to its end
-    float t_exit;  // if a third triangle was open: where the course leaves the cell it stopped in, ...
-    vec3 left;     // ... for one with so many cells left, biased
+    float t_exit;  // if a third triangle was open: where the course leaves the cell it stopped in
+    vec3 left;     // and, biased, how many cells are left from there on
 };
 
 Findings no_findings() {
     return Findings(candidates_before(0.0, kNoId), 0.0, false, 0.0, vec3(0.0, 0.0, 0.0));
 }
 
-// Walks through an instance's grid and tests its triangles, from where an earlier walk stopped, if
-// it did. What begins behind t = `t_nearest`, the nearest hit's so far, is not looked at; on this
-// instance that is the hit on triangle `found`.
+// A ray on its way through an instance's grid, and the triangles that it tests. t: of the course.
+struct Walker {
+    uint inst_id;
+    Grid grid;
+    Sight sight;
+    uint octant;
+    float start;    // t of the ray where the course begins
+    float end;      // where the walk ends at the latest
+    Walk walk;      // at the cell that comes next
+    CELL cell;      // its word
+    float t_exit;   // where the course leaves the cell at hand
+    int at;         // in that cell's list: the triangle to be tested ...
+    uint next;      // ... and its reference
+    bool in_list;
+    bool is_over;   // the walk went to its end
+    Candidates candidates;
+};
+
+bool is_before_end(Walker walker) {
+    return walker.t_exit < min(walker.end, walker.candidates.behind);
+}
+
+bool is_in_empty_cell(Walker walker) { return is_empty_cell(walker.cell); }
+
+// Begins where an earlier walk stopped, if it did. What begins behind t = `t_nearest` of the ray,
+// the nearest hit's so far, is not looked at; on this instance that is the hit on triangle `found`.
+Walker begin_walker(uint inst_id, Ray ray, float t_first, float t_last, double t_nearest,
+                    uint found, Findings earlier) {
+    Walker walker;
+    walker.inst_id = inst_id;
+    walker.grid = fetch_walked_grid(inst_id);
+    // The course is the same from whichever cell of the top level the instance is met, so that a
+    // triangle met twice gives the same t twice; the walk covers the part that was asked for.
+    Course course = course_in(walker.grid, to_walked_grid(inst_id, ray), ray.tmin, ray.tmax);
+    walker.start = course.start;
+    float begin = greater(t_along(course, double(t_first)), 0.0);
+    walker.end = lesser(t_along(course, double(t_last)), course.leave);
+    walker.is_over = course.leave < 0.0 || !(begin <= walker.end);
+    walker.candidates =
+        candidates_before(raised(t_along(course, min(t_nearest, double(ray.tmax)))), found);
+    walker.sight = sight_from(course.org, course.dir, walker.grid.upper);
+    walker.walk = begin_walk(walker.grid, course, begin);
+    walker.octant = octant_shift(walker.walk);
+    walker.end = min(walker.end, smallest(walker.walk.t_leave));
+
+    walker.in_list = earlier.candidates.is_full;
+    walker.at = int(earlier.candidates.full_at);
+    walker.next = 0u;
+    walker.t_exit = earlier.t_exit;
+    if (walker.in_list) walker.walk.left = earlier.left;
+    bool goes_on = walker.in_list ? is_before_end(walker) : !walker.is_over;
+    walker.cell = no_cell();
+    if (goes_on) walker.cell = fetch_cell(walker.grid, walker.walk);
+    return walker;
+}
+
+// Behind the empty cells ahead.
+void cross_empty_cells(INOUT(Walker) walker) {
+    count_cell();
+    NOTE_CELL(walker.inst_id, cell_of(walker.grid, walker.walk));
+    walker.t_exit =
+        leave_cells(walker.walk, left_behind_empty(walker.cell, walker.walk, walker.octant));
+    walker.is_over = !is_before_end(walker);
+    if (!walker.is_over) walker.cell = fetch_cell(walker.grid, walker.walk);
+}
+
+// Into a full cell, whose list comes next; the walk goes on behind it.
+void enter_full_cell(INOUT(Walker) walker) {
+    count_cell();
+    NOTE_CELL(walker.inst_id, cell_of(walker.grid, walker.walk));
+    walker.at = first_reference(walker.cell);
+    walker.t_exit = leave_cells(walker.walk, left_behind_full(walker.cell, walker.walk));
+    walker.in_list = true;
+}
+
+void fetch_next_cell(INOUT(Walker) walker) {
+    if (is_before_end(walker)) walker.cell = fetch_cell(walker.grid, walker.walk);
+}
+
+// Tests a triangle of the list. Which one is next is asked for before the one at hand is fetched;
+// behind the last list lies a word for that.
+void test_next_triangle(INOUT(Walker) walker) {
+    uint listed = referenced(walker.next);
+    walker.in_list = !is_last_reference(walker.next);
+    walker.next = reference_word(walker.at + 1);
+    count_test();
+    NOTE_TEST(named(walker.inst_id, listed).inst_id, prim_id_of(named(walker.inst_id, listed)));
+    Planes planes = fetch_planes(walker.grid, listed);
+    Weights weights = weights_of(planes, walker.sight);
+    if (may_cross(weights, walker.sight)) {
+        Crossing crossing = crossing_of(planes, weights, walker.sight);
+        bool is_new = listed != walker.candidates.found && listed != walker.candidates.open &&
+                      listed != walker.candidates.other;
+        take_in(listed, uint(walker.at), is_new, crossing, walker.candidates);
+    }
+}
+
+Findings findings_of(Walker walker) {
+    return Findings(walker.candidates, walker.start, walker.is_over, walker.t_exit,
+                    walker.walk.left);
+}
+
+// Walks through an instance's grid and tests its triangles.
 //
 // It returns at its end only, and gives every variable a value before any branch: one that a branch
 // alone sets is kept, by compilers that cannot tell, in registers all round the loop that calls
-// this. Loops ask at their end whether to turn: a software renderer has no other jumps, and goes
-// through one that asks at its beginning once more than it turns. (Whether a driver ended one before
-// that, no variable here can tell: lib/loops.glsl does.)
+// this. Loops ask at their end whether to turn: a software renderer may have no other jumps, and
+// goes through one that asks at its beginning once more than it turns. (Whether a driver ended one
+// before that, no variable here can tell: lib/loops.glsl does.)
 Findings walk_in_floats(uint inst_id, Ray ray, float t_first, float t_last, double t_nearest,
                         uint found, Findings earlier) {
-    Findings now = no_findings();
-    Grid grid = fetch_walked_grid(inst_id);
-    // The course is the same from whichever cell of the top level the instance is met, so that a
-    // triangle met twice gives the same t twice; the walk covers the part that was asked for.
-    Course course = course_in(grid, to_walked_grid(inst_id, ray), ray.tmin, ray.tmax);
-    now.start = course.start;
-    // From here on t is that of the course.
-    float begin = greater(t_along(course, double(t_first)), 0.0);
-    float end = lesser(t_along(course, double(t_last)), course.leave);
-    now.is_over = course.leave < 0.0 || !(begin <= end);
-    Candidates candidates =
-        candidates_before(raised(t_along(course, min(t_nearest, double(ray.tmax)))), found);
-    Sight sight = sight_from(course.org, course.dir, grid.upper);
-    Walk walk = begin_walk(grid, course, begin);
-    uint octant = octant_shift(walk);
-    end = min(end, smallest(walk.t_leave));
-
-    // The next cell's word is asked for before the triangles of the one at hand are tested.
-    bool is_resumed = earlier.candidates.is_full;
-    int at = int(earlier.candidates.full_at);
-    float t_exit = earlier.t_exit;
-    if (is_resumed) walk.left = earlier.left;
-    bool goes_on = is_resumed ? t_exit < min(end, candidates.behind) : !now.is_over;
-    CELL cell = no_cell();
-    if (goes_on) cell = fetch_cell(grid, walk);
-    bool is_walking = !now.is_over;
+    Walker walker = begin_walker(inst_id, ray, t_first, t_last, t_nearest, found, earlier);
+    bool is_walking = !walker.is_over;
     if (is_walking) {
         do {
-            // On to the next full cell.
-            if (!is_resumed) {
-                if (is_empty_cell(cell)) {
+            if (!walker.in_list) {
+                if (is_in_empty_cell(walker)) {
                     do {
-                        count_cell();
-                        NOTE_CELL(inst_id, cell_of(grid, walk));
-                        t_exit = leave_cells(walk, left_behind_empty(cell, walk, octant));
-                        now.is_over = !(t_exit < min(end, candidates.behind));
-                        if (!now.is_over) cell = fetch_cell(grid, walk);
-                    } while (!now.is_over && is_empty_cell(cell));
+                        cross_empty_cells(walker);
+                    } while (!walker.is_over && is_in_empty_cell(walker));
                 }
-                if (now.is_over) break;
-                count_cell();
-                NOTE_CELL(inst_id, cell_of(grid, walk));
-                at = first_reference(cell);
-                t_exit = leave_cells(walk, left_behind_full(cell, walk));
-                if (t_exit < min(end, candidates.behind)) cell = fetch_cell(grid, walk);
+                if (walker.is_over) break;
+                enter_full_cell(walker);
+                // The next cell's word is asked for before the triangles of the one at hand are
+                // tested.
+                fetch_next_cell(walker);
             }
-            is_resumed = false;
-
-            // Its triangles. A hit that answers the ray does not end this loop, and a third open
-            // triangle only a turn later: a CPU, which guesses at the loop's end, then learns early
-            // whether it was right. Which one is next is asked for before the one at hand is
-            // fetched; behind the last list lies a word for that.
-            uint next = fetch_triangle_reference(at);
+            // A hit that answers the ray does not end this loop, and a third open triangle only a
+            // turn later: a CPU, which guesses at the loop's end, then learns early whether it was
+            // right.
+            walker.next = fetch_triangle_reference(walker.at);
             for (;;) {
-                if (candidates.is_full) break;
-                uint reference = next;
-                next = reference_word(at + 1);
-                uint listed = referenced(reference);
-                bool is_in_list = !is_last_reference(reference);
-                count_test();
-                NOTE_TEST(named(inst_id, listed).inst_id, prim_id_of(named(inst_id, listed)));
-                Planes planes = fetch_planes(grid, listed);
-                Weights weights = weights_of(planes, sight);
-                if (may_cross(weights, sight)) {
-                    Crossing crossing = crossing_of(planes, weights, sight);
-                    bool is_new = listed != candidates.found && listed != candidates.open &&
-                                  listed != candidates.other;
-                    take_in(listed, uint(at), is_new, crossing, candidates);
-                }
-                if (!is_in_list) break;
+                if (walker.candidates.is_full) break;
+                test_next_triangle(walker);
+                if (!walker.in_list) break;
                 count_reference();
-                ++at;
+                ++walker.at;
             }
-            is_walking = !candidates.is_full;
-            now.is_over = is_walking && !(t_exit < min(end, candidates.behind));
-        } while (is_walking && !now.is_over);
+            walker.in_list = false;
+            is_walking = !walker.candidates.is_full;
+            walker.is_over = is_walking && !is_before_end(walker);
+        } while (is_walking && !walker.is_over);
     }
-    now.candidates = candidates;
-    now.t_exit = t_exit;
-    now.left = walk.left;
-    return now;
+    return findings_of(walker);
 }
 
-// Asks whether a triangle is hit before the nearest so far, and makes it the nearest if so.
-// `start`: of the course; `listed`: what the walk's lists call the triangle.
-void decide_on(uint inst_id, Ray ray, float start, uint listed, INOUT(Nearest) nearest) {
-    Name name = named(inst_id, listed);
-    Grid grid = fetch_grid(fetch_grid_of_instance(name.inst_id));
-    Corners corners = fetch_corners(grid, name.slot);
+// A triangle that doubles are asked about. `listed`: what the walk's lists call it.
+struct Asked {
+    uint listed;
+    Name name;
+    Grid grid;  // of its object
+    Corners corners;
+    Triangle triangle;
+};
+
+Asked fetch_asked(uint inst_id, uint listed) {
+    Asked asked;
+    asked.listed = listed;
+    asked.name = named(inst_id, listed);
+    asked.grid = fetch_grid(fetch_grid_of_instance(asked.name.inst_id));
+    asked.corners = fetch_corners(asked.grid, asked.name.slot);
+    asked.triangle = fetch_triangle(asked.corners);
+    return asked;
+}
+
+// Asks whether it is hit before the nearest so far, and makes it the nearest if so. `start`: of the
+// course.
+void decide_on(uint inst_id, Ray ray, float start, Asked asked, INOUT(Nearest) nearest) {
     SharpHit sharp;
     double t;
     if (decide == kInFloats) {
         Grid walked = fetch_walked_grid(inst_id);
         Course course = course_in(walked, to_walked_grid(inst_id, ray), ray.tmin, ray.tmax);
         Sight sight = sight_from(course.org, course.dir, walked.upper);
-        sharp = blunt_hit(sight, fetch_planes(walked, listed));
+        sharp = blunt_hit(sight, fetch_planes(walked, asked.listed));
         t = double(start) + sharp.t * inverse_of_power(course.length_of_t);
     } else {
-        LocalRay local = to_instance(name.inst_id, ray);
-        start = start_in_instance(grid, local, ray, start);
+        LocalRay local = to_instance(asked.name.inst_id, ray);
+        start = start_in_instance(asked.grid, local, ray, start);
         local = moved_from_afar(local, start);
-        sharp = sharp_hit(local, fetch_triangle(corners));
+        sharp = sharp_hit(local, asked.triangle);
         t = double(start) + sharp.t;
     }
-    take_nearer(sharp, t, ray, name.inst_id, corners.prim_id, listed, nearest);
+    take_nearer(sharp, t, ray, asked.name.inst_id, asked.corners.prim_id, asked.listed, nearest);
 }
 
 // The ray once more, from where the entry has it: read again, it needs no registers meanwhile.
@@ -205,7 +273,8 @@ void walk_instance(uint inst_id, Ray ray, float t_first, float t_last, INOUT(Nea
         if (queue.asked != kNoId) {
             do {
                 again = anew(inst_id, queue.asked);
-                decide_on(again, ray_again(ray), findings.start, queue.asked, nearest);
+                decide_on(again, ray_again(ray), findings.start, fetch_asked(again, queue.asked),
+                          nearest);
                 queue = without_first(queue);
             } while (queue.asked != kNoId);
         }
@@ -254,69 +323,100 @@ bool may_meet(uint inst_id, Course course, vec3 inverse, Span part, float bound)
     return enter <= lesser(span.leave, lesser(part.leave, bound));
 }
 
-// What a walk through the top level came to.
-struct Visit {
-    uint inst_id;
-    bool is_met;   // an instance
-    bool is_over;  // or its end
+// A ray on its way through the top level, from instance to instance. t: of the course.
+struct Descent {
+    Grid grid;
+    Course course;
+    vec3 inverse;  // 1 / course.dir
+    uint octant;
+    float end;     // where the course ends
+    float bound;   // where it ends for what is known of the ray's nearest hit
+    Walk walk;
+    TopCell cell;
+    uint inst_id;  // an instance that the ray may meet ...
+    bool is_met;
+    bool is_over;  // ... or the end
 };
 
 // On to an instance that the ray may meet. Most are only in the same cell (balls-1: nine in ten).
-Visit next_visit(Grid grid, Course course, vec3 inverse, uint octant, float bound, INOUT(Walk) walk,
-                 INOUT(TopCell) cell) {
-    Visit visit = Visit(kNoId, false, false);
+void go_to_next_instance(double t_nearest, INOUT(Descent) descent) {
+    descent.bound = lesser(descent.end, raised(t_along(descent.course, t_nearest)));
+    descent.is_met = false;
     do {
-        if (cell.has_more) {
+        if (descent.cell.has_more) {
             do {
-                uint reference = fetch_instance_reference(cell.at);
-                ++cell.at;
-                cell.has_more = !is_last_reference(reference);
-                visit.inst_id = referenced(reference);
-                visit.is_met = test_boxes == 0 ||
-                               may_meet(visit.inst_id, course, inverse, cell.part, bound);
-            } while (cell.has_more && !visit.is_met);
+                uint reference = fetch_instance_reference(descent.cell.at);
+                ++descent.cell.at;
+                descent.cell.has_more = !is_last_reference(reference);
+                descent.inst_id = referenced(reference);
+                descent.is_met = test_boxes == 0 ||
+                                 may_meet(descent.inst_id, descent.course, descent.inverse,
+                                          descent.cell.part, descent.bound);
+            } while (descent.cell.has_more && !descent.is_met);
         }
-        if (!visit.is_met && !cell.has_more) {
-            float cube = empty_cube(cell.word, octant);
-            float edge = mix(biased(1u), cube, is_empty_cell(cell.word));
-            visit.is_over = !(leave_cells(walk, left_behind_cube(walk, edge)) < bound);
-            if (!visit.is_over) cell = top_cell_at(grid, course, inverse, walk);
+        if (!descent.is_met && !descent.cell.has_more) {
+            float cube = empty_cube(descent.cell.word, descent.octant);
+            float edge = mix(biased(1u), cube, is_empty_cell(descent.cell.word));
+            float t = leave_cells(descent.walk, left_behind_cube(descent.walk, edge));
+            descent.is_over = !(t < descent.bound);
+            if (!descent.is_over) {
+                descent.cell = top_cell_at(descent.grid, descent.course, descent.inverse,
+                                           descent.walk);
+            }
         }
-    } while (!visit.is_met && !visit.is_over);
-    return visit;
+    } while (!descent.is_met && !descent.is_over);
+}
+
+// Down to the first instance.
+Descent begin_descent(Ray ray, double t_nearest) {
+    Descent descent;
+    descent.grid = fetch_top_grid();
+    descent.course = course_in(descent.grid, to_top_level(ray), ray.tmin, ray.tmax);
+    descent.walk = begin_walk(descent.grid, descent.course, 0.0);
+    descent.octant = octant_shift(descent.walk);
+    descent.inverse = 1.0 / descent.course.dir;
+    descent.end = lesser(descent.course.leave, smallest(descent.walk.t_leave));
+    descent.bound = 0.0;
+    descent.cell = TopCell(0u, false, 0, Span(0.0, 0.0));
+    descent.inst_id = kNoId;
+    descent.is_met = false;
+    descent.is_over = !(descent.course.leave >= 0.0);
+    if (!descent.is_over) {
+        descent.cell = top_cell_at(descent.grid, descent.course, descent.inverse, descent.walk);
+        go_to_next_instance(t_nearest, descent);
+    }
+    return descent;
+}
+
+// The part of the ray for which an instance is walked through: that in the cell, in the ray's t.
+Span part_in_cell(Descent descent) {
+    Course course = descent.course;
+    double t_of_length = inverse_of_power(course.length_of_t);
+    float enter = course.start + float(double(descent.cell.part.enter) * t_of_length);
+    float leave = course.start + float(double(descent.cell.part.leave) * t_of_length);
+    // The two levels start their t at different places: give the difference its rounding.
+    const float kRounding = 9.5367431640625e-7;  // 2^-20: eight ulps
+    float slack = kRounding * greater(abs(course.start), abs(leave));
+    return Span(enter - slack, leave + slack);
 }
 
 // Instances are looked for through all cells before one is walked through, so that rays which run
 // together walk together.
 void walk_scene(Ray ray, INOUT(Nearest) nearest) {
-    Grid grid = fetch_top_grid();
-    Course course = course_in(grid, to_top_level(ray), ray.tmin, ray.tmax);
-    if (!(course.leave >= 0.0)) return;
-    Walk walk = begin_walk(grid, course, 0.0);
-    uint octant = octant_shift(walk);
-    vec3 inverse = 1.0 / course.dir;
-    float end = lesser(course.leave, smallest(walk.t_leave));
-    double t_of_length = inverse_of_power(course.length_of_t);
-
-    float bound = lesser(end, raised(t_along(course, nearest.t)));
-    TopCell cell = top_cell_at(grid, course, inverse, walk);
-    Visit visit = next_visit(grid, course, inverse, octant, bound, walk, cell);
-    if (visit.is_met) {
+    Descent descent = begin_descent(ray, nearest.t);
+    if (descent.is_met) {
         do {
-            float enter = course.start + float(double(cell.part.enter) * t_of_length);
-            float leave = course.start + float(double(cell.part.leave) * t_of_length);
-            // The two levels start their t at different places: give the difference its rounding.
-            const float kRounding = 9.5367431640625e-7;  // 2^-20: eight ulps
-            float slack = kRounding * greater(abs(course.start), abs(leave));
-            walk_instance(visit.inst_id, ray_again(ray), enter - slack, leave + slack, nearest);
-            bound = lesser(end, raised(t_along(course, nearest.t)));
-            visit = Visit(visit.inst_id, false, true);
-            if (!is_enough(nearest)) {
-                visit = next_visit(grid, course, inverse, octant, bound, walk, cell);
+            Span part = part_in_cell(descent);
+            walk_instance(descent.inst_id, ray_again(ray), part.enter, part.leave, nearest);
+            descent.is_met = false;
+            if (is_enough(nearest)) {
+                descent.is_over = true;
+            } else {
+                go_to_next_instance(nearest.t, descent);
             }
-        } while (visit.is_met);
+        } while (descent.is_met);
     }
-    if (!visit.is_over) ray_flags |= kFlagExhausted;  // the driver ended a loop
+    if (!descent.is_over) ray_flags |= kFlagExhausted;  // the driver ended a loop
 }
 #endif
 
