@@ -270,8 +270,9 @@ class BruteForceTracer final : public Tracer {
         using enum gl::TexelFormat;
         std::vector<gl::TexelFormat> targets = {rgba32f, rgba32ui};
         if (options.counters) targets.push_back(rgba32ui);
-        const gl::Framebuffer framebuffers[2] = {{chunk.width, chunk.height, targets},
-                                                 {chunk.width, chunk.height, targets}};
+        const uvec2 fragments = chunk.fragments();
+        const gl::Framebuffer framebuffers[2] = {{fragments.x, fragments.y, targets},
+                                                 {fragments.x, fragments.y, targets}};
         gl::Program& program = this->program(options.counters);
         chunk.give_to(program);
         const auto draw_all = [&] {

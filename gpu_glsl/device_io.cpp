@@ -4,21 +4,27 @@ namespace onepass {
 namespace {
 
 /// Given rays go to fragments in blocks of 4 x 4, and those to strips
-/// (shaders/lib/given_rays.glsl).
-constexpr size_t kBlockRays = 16;
+/// (shaders/lib/given_rays.glsl). A fragment has a place in that order.
+constexpr size_t kBlockFragments = 16;
 constexpr size_t kStripWidth = 64;
-constexpr size_t kBlockRowRays = 4 * kStripWidth;
+constexpr size_t kBlockRowFragments = 4 * kStripWidth;
 constexpr size_t kFragmentsWide = 16 * kStripWidth;
-constexpr size_t kFragmentRowRays = 4 * kFragmentsWide;
+constexpr size_t kFragmentRow = 4 * kFragmentsWide;
 
-size_t rays_in_strip(uint32_t height) { return kStripWidth * height; }
+/// A chunk is filled up to a multiple of so many rays: a row of blocks with two rays a fragment.
+constexpr size_t kFullChunk = 2 * kFragmentRow;
 
-/// The texel where a ray's hit lies.
-size_t texel_of_ray(size_t ray, uint32_t height) {
-    const size_t strip = ray / rays_in_strip(height);
-    const size_t row = ray % rays_in_strip(height) / kBlockRowRays;
-    const size_t block = ray % kBlockRowRays / kBlockRays;
-    const size_t lane = ray % kBlockRays;
+/// Fragments that a software renderer runs together.
+constexpr size_t kLanes = 8;
+
+size_t fragments_in_strip(uint32_t height) { return kStripWidth * height; }
+
+/// The texel of the fragment at a place.
+size_t texel_at(size_t place, uint32_t height) {
+    const size_t strip = place / fragments_in_strip(height);
+    const size_t row = place % fragments_in_strip(height) / kBlockRowFragments;
+    const size_t block = place % kBlockRowFragments / kBlockFragments;
+    const size_t lane = place % kBlockFragments;
     const size_t x = kStripWidth * strip + 4 * block + lane % 4;
     const size_t y = 4 * row + lane / 4;
     return x + kFragmentsWide * y;
@@ -67,29 +73,33 @@ gl::Texture upload_texture(const TextureData& texture) {
                           texture.texels);
 }
 
-void ChunkOnDevice::give_to(gl::Program& program) const {
+uvec2 ChunkOnDevice::fragments(size_t each) const {
+    const size_t rows = (count + each * kFragmentRow - 1) / (each * kFragmentRow);
+    return {kFragmentsWide, 4 * rows};
+}
+
+void ChunkOnDevice::give_to(gl::Program& program, size_t each) const {
     program.set_texture("given_rays", *texels);
-    program.set_uniform("strip_rays", static_cast<int32_t>(rays_in_strip(height)));
+    program.set_uniform("strip_fragments",
+                        static_cast<int32_t>(fragments_in_strip(fragments(each).y)));
 }
 
 size_t most_rays_in_texels(int64_t most_texels) {
     const size_t rays = static_cast<size_t>(most_texels) / 2;
-    return rays / kFragmentRowRays * kFragmentRowRays;
+    return rays / kFullChunk * kFullChunk;
 }
 
 ChunkOnDevice upload_to_texels(std::span<const Ray> rays) {
-    ChunkOnDevice chunk;
-    chunk.count = rays.size();
-    chunk.width = kFragmentsWide;
-    const size_t rows = (rays.size() + kFragmentRowRays - 1) / kFragmentRowRays;
-    chunk.height = static_cast<uint32_t>(4 * rows);
+    const size_t filled = (rays.size() + kFullChunk - 1) / kFullChunk * kFullChunk;
     std::vector<vec4> texels;
-    texels.reserve(2 * kFragmentRowRays * rows);
-    for (size_t i = 0; i < kFragmentRowRays * rows; ++i) {
+    texels.reserve(2 * filled);
+    for (size_t i = 0; i < filled; ++i) {
         const Ray& ray = i < rays.size() ? rays[i] : kPaddingRay;
         texels.emplace_back(ray.org, ray.tmin);
         texels.emplace_back(ray.dir, ray.tmax);
     }
+    ChunkOnDevice chunk;
+    chunk.count = rays.size();
     chunk.texels = gl::texture_buffer("given_rays", gl::TexelFormat::rgba32f, texels);
     return chunk;
 }
@@ -107,7 +117,7 @@ uint64_t append_hits(const gl::Framebuffer& answers, size_t count, bool counters
     const std::vector<uint32_t> ids = gl::read_uints(answers.target(1));
     uint64_t sum = 0;
     for (size_t i = 0; i < count; ++i) {
-        const size_t at = 4 * texel_of_ray(i, answers.height());
+        const size_t at = 4 * texel_at(i, answers.height());
         result.hits.push_back(make_hit(&hits[at], &ids[at]));
         result.flags.push_back(ids[at + 2]);
         sum += ids[at + 3];
@@ -115,9 +125,23 @@ uint64_t append_hits(const gl::Framebuffer& answers, size_t count, bool counters
     if (!counters) return sum;
     const std::vector<uint32_t> counts = gl::read_uints(answers.target(2));
     for (size_t i = 0; i < count; ++i) {
-        result.counters.push_back(make_counters(&counts[4 * texel_of_ray(i, answers.height())]));
+        result.counters.push_back(make_counters(&counts[4 * texel_at(i, answers.height())]));
     }
     return sum;
+}
+
+void append_pairs(const gl::Framebuffer& answers, size_t count, CastResult& result) {
+    const std::vector<float> hits[2] = {gl::read_floats(answers.target(0)),
+                                        gl::read_floats(answers.target(2))};
+    const std::vector<uint32_t> ids[2] = {gl::read_uints(answers.target(1)),
+                                          gl::read_uints(answers.target(3))};
+    for (size_t i = 0; i < count; ++i) {
+        const size_t which = i / kLanes % 2;
+        const size_t place = i / (2 * kLanes) * kLanes + i % kLanes;
+        const size_t at = 4 * texel_at(place, answers.height());
+        result.hits.push_back(make_hit(&hits[which][at], &ids[which][at]));
+        result.flags.push_back(ids[which][at + 2]);
+    }
 }
 
 AnswersOnDevice::AnswersOnDevice(size_t count, bool with_counters)

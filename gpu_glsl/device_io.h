@@ -19,13 +19,15 @@ gl::Texture upload_texture(const TextureData& texture);
 /// Rays of one chunk of a batch: for fragments or for compute shaders.
 struct ChunkOnDevice {
     size_t count = 0;
-    uint32_t width = 0;  ///< fragments that they go to; some may get none
-    uint32_t height = 0;
     std::optional<gl::Texture> texels;  ///< two a ray
     std::optional<gl::Buffer> buffer;
 
+    /// Width and height of the fragments that answer them, `each` rays a fragment: 1 or 2. Some may
+    /// get rays that are none.
+    uvec2 fragments(size_t each = 1) const;
+
     /// What shaders/lib/given_rays.glsl asks for.
-    void give_to(gl::Program& program) const;
+    void give_to(gl::Program& program, size_t each = 1) const;
 };
 
 struct RaysOnDevice {
@@ -68,6 +70,9 @@ struct AnswersOnDevice {
 uint64_t append_hits(const gl::Framebuffer& answers, size_t count, bool counters,
                      CastResult& result);
 uint64_t append_hits(const AnswersOnDevice& answers, size_t count, CastResult& result);
+
+/// Adds the answers of fragments that answer two rays each: entry/cast_fragment_pairs.glsl.
+void append_pairs(const gl::Framebuffer& answers, size_t count, CastResult& result);
 
 /// Adds rows of pixels: from the targets of entry/fragment.glsl, or from PixelRecords. Returns as
 /// append_hits; 0 without AOVs.

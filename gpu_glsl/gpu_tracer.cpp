@@ -20,6 +20,8 @@ namespace {
 /// Rays a chunk holds at most: 4 Mi rays take 128 MiB, and results of the same order.
 constexpr size_t kMaxChunkRays = size_t{1} << 22;
 
+constexpr char kPairsEntry[] = "entry/cast_fragment_pairs.glsl";
+
 class GpuTracer final : public Tracer {
   public:
     GpuTracer(std::string name, PreparedStrategy prepared, GpuEntry entry,
@@ -31,6 +33,7 @@ class GpuTracer final : public Tracer {
           context_(context),
           glsl_version_(glsl_version_for(prepared_.info, entry, context.description().gl)) {
         prepared_.is_software = context.description().software;
+        prepared_.jumps = context.description().jumps;
         for (const TextureData& texture : prepared_.inputs.textures) {
             textures_.push_back(upload_texture(texture));
         }
@@ -132,6 +135,12 @@ class GpuTracer final : public Tracer {
         return std::min(kMaxChunkRays, most);
     }
 
+    /// Two where a CPU gains by it (shaders/lib/grid/pairs.glsl). Work is counted for one at a
+    /// time.
+    size_t rays_a_fragment(const CastOptions& options) const {
+        return entry_ == GpuEntry::fragment && prepared_.casts_pairs() && !options.counters ? 2 : 1;
+    }
+
     /// The device has them now.
     void give_texels_back() {
         for (TextureData& texture : prepared_.inputs.textures) {
@@ -149,13 +158,13 @@ class GpuTracer final : public Tracer {
 
     // ---- Programs: one a variant ---------------------------------------------------------------
 
-    gl::Program make_program(bool cast, const std::vector<gl::ShaderConstant>& constants,
-                             std::string* hash) {
+    gl::Program make_program(const std::string& entry,
+                             const std::vector<gl::ShaderConstant>& constants, std::string* hash) {
         const bool fragment = entry_ == GpuEntry::fragment;
         std::vector<gl::ComposedShader> stages;
         stages.push_back(library_.compose({.glsl_version = glsl_version_,
                                            .stage = fragment ? "fragment" : "compute",
-                                           .files = prepared_.files_with(entry_file(entry_, cast)),
+                                           .files = prepared_.files_with(entry),
                                            .constants = constants}));
         if (hash != nullptr) *hash = stages.front().hash;
         if (fragment) {
@@ -208,7 +217,8 @@ class GpuTracer final : public Tracer {
         std::optional<gl::Program>& program = cast_programs_[any ? 1 : 0][options.counters ? 1 : 0];
         if (!program) {
             program =
-                make_program(true, prepared_.constants(options.counters, nullptr, options.query),
+                make_program(rays_a_fragment(options) == 2 ? kPairsEntry : entry_file(entry_, true),
+                             prepared_.constants(options.counters, nullptr, options.query),
                              any || options.counters ? nullptr : &cast_hash_);
         }
         return *program;
@@ -223,7 +233,8 @@ class GpuTracer final : public Tracer {
         if (found == render_programs_.end()) {
             render_programs_.push_back(
                 {needs, settings.aovs,
-                 make_program(false, prepared_.constants(settings.aovs, &needs), nullptr)});
+                 make_program(entry_file(entry_, false), prepared_.constants(settings.aovs, &needs),
+                              nullptr)});
             found = std::prev(render_programs_.end());
         }
         return found->program;
@@ -238,17 +249,24 @@ class GpuTracer final : public Tracer {
 
     void cast_fragments(const ChunkOnDevice& chunk, const CastOptions& options,
                         CastResult& result) {
-        std::vector<gl::TexelFormat> targets = {gl::TexelFormat::rgba32f,
-                                                gl::TexelFormat::rgba32ui};
-        if (options.counters) targets.push_back(gl::TexelFormat::rgba32ui);
-        gl::Framebuffer framebuffer(chunk.width, chunk.height, targets);
+        using enum gl::TexelFormat;
+        const size_t each = rays_a_fragment(options);
+        std::vector<gl::TexelFormat> targets = {rgba32f, rgba32ui};
+        if (options.counters) targets.push_back(rgba32ui);
+        if (each == 2) targets.insert(targets.end(), {rgba32f, rgba32ui});
+        const uvec2 fragments = chunk.fragments(each);
+        const gl::Framebuffer framebuffer(fragments.x, fragments.y, targets);
         gl::Program& program = cast_program(options);
-        chunk.give_to(program);
+        chunk.give_to(program, each);
         add_time(gl::finish_and_time(context_, [&] { gl::draw_fullscreen(program, framebuffer); }),
                  result);
 
         if (!options.answers) return;
-        append_hits(framebuffer, chunk.count, options.counters, result);
+        if (each == 2) {
+            append_pairs(framebuffer, chunk.count, result);
+        } else {
+            append_hits(framebuffer, chunk.count, options.counters, result);
+        }
     }
 
     void cast_compute(const ChunkOnDevice& chunk, const CastOptions& options, CastResult& result) {

@@ -513,11 +513,18 @@ bool PreparedStrategy::answers_any() const {
     return has(params, "any_hit") && params.integer("any_hit") == 1;
 }
 
+bool PreparedStrategy::casts_pairs() const {
+    if (!has(params, "pairs")) return false;
+    const std::string& pairs = params.text("pairs");
+    return pairs == "on" || (pairs == "auto" && jumps);
+}
+
 std::vector<gl::ShaderConstant> PreparedStrategy::constants(bool count_work,
                                                             const SceneNeeds* needs,
                                                             Query query) const {
     std::vector<gl::ShaderConstant> all = {{"count_work", count_work},
                                            {"is_software", is_software},
+                                           {"loads_texels_in_place", is_software && !jumps},
                                            {"any_query", query == Query::any && answers_any()}};
     if (!has(params, "any_hit")) all.push_back({"any_hit", 0});
     all.insert(all.end(), param_constants.begin(), param_constants.end());

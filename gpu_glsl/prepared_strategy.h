@@ -30,6 +30,7 @@ struct PreparedStrategy {
     std::variant<std::monostate, MovingTopLevel, MovingTopBuffers> moving;
     /// Whether a software renderer is to run it (shaders/lib/renderer.glsl, loops.glsl).
     bool is_software = false;
+    bool jumps = false;  ///< one that jumps (gl/context.h: is_jumping_renderer)
 
     /// The roots of a shader: storage, strategy, then the entry.
     std::vector<std::string> files_with(const std::string& entry_file) const;
@@ -37,6 +38,10 @@ struct PreparedStrategy {
     /// Whether the strategy answers Query::any otherwise than by the nearest hit: it has the
     /// parameter `any_hit`, and that is on.
     bool answers_any() const;
+
+    /// Whether a fragment answers two given rays: by the strategy's parameter `pairs`, if it has one;
+    /// `auto`: where that pays.
+    bool casts_pairs() const;
 
     /// All constants of a variant. `needs`: what the frame asks for; nullptr for `cast`, which
     /// shades nothing. `query`: what all rays of a cast ask; those of a frame differ.

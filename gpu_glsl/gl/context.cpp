@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cstdlib>
 #include <iterator>
+#include <regex>
 #include <utility>
 
 #include <dlfcn.h>
@@ -129,6 +130,7 @@ GlDescription describe_current(std::string_view kind, int device) {
     description.gl = 100 * major + 10 * minor;
     description.device = device;
     description.software = is_software_renderer(description.renderer);
+    description.jumps = is_jumping_renderer(description.renderer, description.version);
     return description;
 }
 
@@ -157,6 +159,14 @@ bool is_software_renderer(const std::string& renderer) {
         if (lower.find(name) != std::string::npos) return true;
     }
     return false;
+}
+
+bool is_jumping_renderer(const std::string& renderer, const std::string& version) {
+    constexpr int kFirstMesa = 25;
+    static const std::regex kMesa(R"(.*\bMesa (\d{1,4})\..*)");
+    std::smatch match;
+    return is_software_renderer(renderer) && std::regex_match(version, match, kMesa) &&
+           std::stoi(match[1]) >= kFirstMesa;
 }
 
 void describe_probe(GlProbe& probe, PFNGLGETSTRINGPROC get_string) {

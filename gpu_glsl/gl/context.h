@@ -24,6 +24,7 @@ struct GlDescription {
     int gl = 0;                ///< version as a number: 450 for 4.5
     int device = kAnyDevice;   ///< index in EGL's device list, if one was opened
     bool software = false;     ///< it runs on the CPU: flagged in every result
+    bool jumps = false;        ///< as is_jumping_renderer() says
 };
 
 /// The limits that packing and dispatching have to keep. 0: the context lacks the feature.
@@ -86,5 +87,10 @@ std::vector<GlProbe> probe_contexts();
 
 /// True for the names of renderers that run on the CPU (llvmpipe, softpipe, swrast, SwiftShader).
 bool is_software_renderer(const std::string& renderer);
+
+/// Whether a software renderer jumps over branches that none of its lanes takes, by GL_VERSION:
+/// llvmpipe of Mesa 25 does, that of 22.3 goes through both sides of all of them. (What lies between
+/// was not tried, and is taken for the older.)
+bool is_jumping_renderer(const std::string& renderer, const std::string& version);
 
 }  // namespace onepass::gl

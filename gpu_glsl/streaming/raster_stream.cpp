@@ -207,7 +207,8 @@ void RasterStream::bind_state(gl::Program& program, std::optional<Kernel> own) c
 // ---- Runs --------------------------------------------------------------------------------------
 
 Run RasterStream::cast(const ChunkOnDevice& chunk, CastResult& result) {
-    prepare_state(chunk.width, chunk.height);
+    const uvec2 fragments = chunk.fragments();
+    prepare_state(fragments.x, fragments.y);
     for (KernelPrograms& programs : kernels_) {
         for (gl::Program* program : {&programs.kernel, programs.copy ? &*programs.copy : nullptr}) {
             if (program == nullptr) continue;
@@ -216,7 +217,7 @@ Run RasterStream::cast(const ChunkOnDevice& chunk, CastResult& result) {
     }
     std::vector<gl::TexelFormat> targets = {gl::TexelFormat::rgba32f, gl::TexelFormat::rgba32ui};
     if (variant_.counters) targets.push_back(gl::TexelFormat::rgba32ui);
-    const gl::Framebuffer results(chunk.width, chunk.height, targets);
+    const gl::Framebuffer results(fragments.x, fragments.y, targets);
     Run done = run(results);
     done.grid_bytes = append_hits(results, chunk.count, variant_.counters, result);
     return done;

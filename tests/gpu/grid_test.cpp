@@ -719,7 +719,8 @@ TEST_F(GridStrategy, a_ray_for_which_a_software_renderer_ends_a_loop_says_so) {
                     EXPECT_EQ(result.hits[i].t, expected[i].t) << entry << " ray " << i;
                 }
             }
-            if (context->description().software) {
+            // (Mesa 25, which jumps, ends no loop.)
+            if (context->description().software && !context->description().jumps) {
                 EXPECT_GT(flagged, 0u) << entry;
             }
         }

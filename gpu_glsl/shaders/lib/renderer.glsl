@@ -2,7 +2,8 @@
 #pragma once
 #include "lib/dialect.glsl"
 
-CONSTANT(bool, is_software)  // a software renderer runs this
+CONSTANT(bool, is_software)            // a software renderer runs this
+CONSTANT(bool, loads_texels_in_place)  // one that has whole texels sooner from images
 
 // ---- Registers ---------------------------------------------------------------------------------
 
@@ -17,19 +18,25 @@ uint anew(uint n, uint id) { return n + (id >> 31u); }
 
 // ---- Tables ------------------------------------------------------------------------------------
 
-// Buffers of a `uint`, a `uvec4` or a `vec4` to a texel, which a walk reads at every step. A
-// software renderer calls a function for each texel of a buffer texture; those of an image it loads
-// in place.
+// Buffers of a `uint` (words), a `uvec4` (records) or a `vec4` (vectors) to a texel, which a walk
+// reads at every step. A software renderer calls a function for each texel of a buffer texture;
+// those of an image it loads in place. That is faster for words, and for whole texels with Mesa
+// 22.3, not with 25.
 #ifndef ONEPASS_TWIN
 #if NEEDS(is_software)
 #define WORD_TABLE(name) layout(r32ui) readonly uniform uimageBuffer name;
-#define RECORD_TABLE(name) layout(rgba32ui) readonly uniform uimageBuffer name;
-#define VECTOR_TABLE(name) layout(rgba32f) readonly uniform imageBuffer name;
-#define FETCHTABLE(name, index) imageLoad(name, index)
+#define FETCHWORD(name, index) imageLoad(name, index).x
 #else
 #define WORD_TABLE(name) UBUFFER(name)
+#define FETCHWORD(name, index) FETCHBUFFER(name, index).x
+#endif
+#if NEEDS(loads_texels_in_place)
+#define RECORD_TABLE(name) layout(rgba32ui) readonly uniform uimageBuffer name;
+#define VECTOR_TABLE(name) layout(rgba32f) readonly uniform imageBuffer name;
+#define FETCHTEXEL(name, index) imageLoad(name, index)
+#else
 #define RECORD_TABLE(name) UBUFFER(name)
 #define VECTOR_TABLE(name) BUFFER(name)
-#define FETCHTABLE(name, index) FETCHBUFFER(name, index)
+#define FETCHTEXEL(name, index) FETCHBUFFER(name, index)
 #endif
 #endif

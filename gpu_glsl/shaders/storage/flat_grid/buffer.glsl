@@ -5,6 +5,6 @@
 
 WORD_TABLE(cells)
 
-uint cell_word(int index) { return FETCHTABLE(cells, index).x; }
+uint cell_word(int index) { return FETCHWORD(cells, index); }
 
 #include "storage/flat_grid/flat_cells.glsl"

@@ -6,7 +6,7 @@
 WORD_TABLE(nodes)
 RECORD_TABLE(cells)
 
-uint node_word(int index) { return FETCHTABLE(nodes, index).x; }
-uvec4 cell_record(int index) { return FETCHTABLE(cells, index); }
+uint node_word(int index) { return FETCHWORD(nodes, index); }
+uvec4 cell_record(int index) { return FETCHTEXEL(cells, index); }
 
 #include "storage/irregular_grid/irregular_cells.glsl"

@@ -5,7 +5,7 @@
 
 WORD_TABLE(cells)
 
-uint cell_word(int index) { return FETCHTABLE(cells, index).x; }
+uint cell_word(int index) { return FETCHWORD(cells, index); }
 
 #include "storage/two_level_grid/grid_buffers.glsl"
 #include "storage/two_level_grid/uniform_cells.glsl"

@@ -8,7 +8,7 @@ VECTOR_TABLE(planes)
 UBUFFER(corners)
 BUFFER(vertices)
 
-uint reference_word(int index) { return FETCHTABLE(references, index).x; }
-vec4 planes_texel(int index) { return FETCHTABLE(planes, index); }
+uint reference_word(int index) { return FETCHWORD(references, index); }
+vec4 planes_texel(int index) { return FETCHTEXEL(planes, index); }
 uvec4 corners_texel(int index) { return FETCHBUFFER(corners, index); }
 vec4 vertex_texel(int index) { return FETCHBUFFER(vertices, index); }
