@@ -1,8 +1,9 @@
 // Whether the driver ended a loop that had not come to its end.
 //
-// llvmpipe ends all loops of an invocation, and of those that run with it, after 65,535 turns. What
-// such a loop computed does not tell: compilers know on which conditions a loop ends and take them
-// for met. But from then on every loop ends after its first turn, and so one of two turns can tell.
+// llvmpipe of Mesa 22.3 (not of 25) ends all loops of an invocation, and of those that run with it,
+// after 65,535 turns. What such a loop computed does not tell: compilers know on which conditions a
+// loop ends and take them for met. But from then on every loop ends after its first turn, and so
+// one of two turns can tell.
 #pragma once
 #include "lib/ray.glsl"
 #include "lib/renderer.glsl"
