@@ -20,8 +20,8 @@ namespace {
 #include "gpu_glsl/shaders/shared/triangle_list_layout.h"
 #include "gpu_glsl/shaders/shared/two_level_layout.h"
 
-/// A software renderer ends the loops of an invocation after 65,535 turns: at most two a test, one
-/// of them where every instance is a single triangle.
+/// A software renderer (llvmpipe of Mesa 22.3) ends the loops of an invocation after 65,535 turns:
+/// at most two a test, one of them where every instance is a single triangle.
 constexpr long kDefaultChunk = 30000;
 
 constexpr long kMaxChunk = std::numeric_limits<int32_t>::max();
@@ -60,7 +60,7 @@ gl::StrategyInfo brute_force_info() {
         {"chunk",
          Type::integer,
          fmt::format("{}", kDefaultChunk),
-         "triangles tested in one pass; software renderers end loops after 65,535 turns",
+         "triangles tested in one pass; some software renderers end loops after 65,535 turns",
          {}},
     };
     info.deviations = {

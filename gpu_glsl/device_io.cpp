@@ -14,7 +14,7 @@ constexpr size_t kFragmentRow = 4 * kFragmentsWide;
 /// A chunk is filled up to a multiple of so many rays: a row of blocks with two rays a fragment.
 constexpr size_t kFullChunk = 2 * kFragmentRow;
 
-/// Fragments that a software renderer runs together.
+/// Fragments that a software renderer runs together (shaders/entry/cast_fragment_pairs.glsl).
 constexpr size_t kLanes = 8;
 
 size_t fragments_in_strip(uint32_t height) { return kStripWidth * height; }

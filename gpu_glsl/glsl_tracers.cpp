@@ -154,12 +154,12 @@ gl::ComposedShader compose_tracer_shader(const gl::ShaderLibrary& library, const
                 SceneNeeds needs;
                 if (settings != nullptr) needs = scene_needs(*scene, *settings);
                 constexpr int kNewestGl = 450;
-                return library.compose(
-                    {.glsl_version = glsl_version_for(info, entry, kNewestGl),
-                     .stage = entry_name,
-                     .files = prepared.files_with(entry_file(entry, settings == nullptr)),
-                     .constants =
-                         prepared.constants(false, settings != nullptr ? &needs : nullptr)});
+                return library.compose({.glsl_version = glsl_version_for(info, entry, kNewestGl),
+                                        .stage = entry_name,
+                                        .files = prepared.files_with(entry_file(
+                                            entry, settings == nullptr, prepared.casts_pairs())),
+                                        .constants = prepared.constants(
+                                            false, settings != nullptr ? &needs : nullptr)});
             }
         }
     }

@@ -20,8 +20,6 @@ namespace {
 /// Rays a chunk holds at most: 4 Mi rays take 128 MiB, and results of the same order.
 constexpr size_t kMaxChunkRays = size_t{1} << 22;
 
-constexpr char kPairsEntry[] = "entry/cast_fragment_pairs.glsl";
-
 class GpuTracer final : public Tracer {
   public:
     GpuTracer(std::string name, PreparedStrategy prepared, GpuEntry entry,
@@ -216,10 +214,9 @@ class GpuTracer final : public Tracer {
         const bool any = options.query == Query::any && prepared_.answers_any();
         std::optional<gl::Program>& program = cast_programs_[any ? 1 : 0][options.counters ? 1 : 0];
         if (!program) {
-            program =
-                make_program(rays_a_fragment(options) == 2 ? kPairsEntry : entry_file(entry_, true),
-                             prepared_.constants(options.counters, nullptr, options.query),
-                             any || options.counters ? nullptr : &cast_hash_);
+            program = make_program(entry_file(entry_, true, rays_a_fragment(options) == 2),
+                                   prepared_.constants(options.counters, nullptr, options.query),
+                                   any || options.counters ? nullptr : &cast_hash_);
         }
         return *program;
     }
@@ -343,7 +340,8 @@ class GpuTracer final : public Tracer {
 
 }  // namespace
 
-std::string entry_file(GpuEntry entry, bool cast) {
+std::string entry_file(GpuEntry entry, bool cast, bool pairs) {
+    if (entry == GpuEntry::fragment && cast && pairs) return "entry/cast_fragment_pairs.glsl";
     return fmt::format("entry/{}{}.glsl", cast ? "cast_" : "",
                        entry == GpuEntry::fragment ? "fragment" : "compute");
 }

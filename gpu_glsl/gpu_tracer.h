@@ -19,8 +19,9 @@ enum class GpuEntry { fragment, compute };
 std::unique_ptr<Tracer> make_gpu_tracer(std::string name, PreparedStrategy prepared, GpuEntry entry,
                                         const gl::ShaderLibrary& library, gl::GlContext& context);
 
-/// The shader file of an entry: entry/[cast_](fragment|compute).glsl.
-std::string entry_file(GpuEntry entry, bool cast);
+/// The shader file of an entry: entry/[cast_](fragment|compute).glsl, or that of fragments that
+/// cast two rays each.
+std::string entry_file(GpuEntry entry, bool cast, bool pairs = false);
 
 /// The GLSL version a tracer's shaders are written in: what strategy and entry need, or 450 where
 /// the context has it, for the sake of `precise`.

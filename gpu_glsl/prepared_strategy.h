@@ -39,8 +39,8 @@ struct PreparedStrategy {
     /// parameter `any_hit`, and that is on.
     bool answers_any() const;
 
-    /// Whether a fragment answers two given rays: by the strategy's parameter `pairs`, if it has one;
-    /// `auto`: where that pays.
+    /// Whether a fragment answers two given rays: by the strategy's parameter `pairs`, if it has
+    /// one; `auto`: where that pays.
     bool casts_pairs() const;
 
     /// All constants of a variant. `needs`: what the frame asks for; nullptr for `cast`, which

@@ -165,7 +165,7 @@ bool is_jumping_renderer(const std::string& renderer, const std::string& version
     constexpr int kFirstMesa = 25;
     static const std::regex kMesa(R"(.*\bMesa (\d{1,4})\..*)");
     std::smatch match;
-    return is_software_renderer(renderer) && std::regex_match(version, match, kMesa) &&
+    return renderer.starts_with("llvmpipe") && std::regex_match(version, match, kMesa) &&
            std::stoi(match[1]) >= kFirstMesa;
 }
 

@@ -89,8 +89,8 @@ std::vector<GlProbe> probe_contexts();
 bool is_software_renderer(const std::string& renderer);
 
 /// Whether a software renderer jumps over branches that none of its lanes takes, by GL_VERSION:
-/// llvmpipe of Mesa 25 does, that of 22.3 goes through both sides of all of them. (What lies between
-/// was not tried, and is taken for the older.)
+/// llvmpipe of Mesa 25 does, that of 22.3 goes through both sides of all of them. (What lies
+/// between was not tried, and is taken for the older.)
 bool is_jumping_renderer(const std::string& renderer, const std::string& version);
 
 }  // namespace onepass::gl

@@ -65,6 +65,11 @@ TEST_F(Pairs, are_answered_as_each_ray_is_alone) {
         const ScenePtr scene = share(made);
         const std::vector<Ray> rays = mixed_rays(scene);
         for (const char* name : kTracers) expect_same(name, scene, rays);
+        for (const ParamValues& params :
+             {ParamValues{{"decide", "floats"}}, ParamValues{{"test_boxes", "0"}},
+              ParamValues{{"skip_empty", "0"}}, ParamValues{{"specialise", "0"}}}) {
+            expect_same(kTracers[0], scene, rays, params);
+        }
     }
 }
 
@@ -152,6 +157,7 @@ TEST(JumpingRenderers, are_those_of_mesa_from_25_on) {
     EXPECT_TRUE(gl::is_jumping_renderer(cpu, "4.5 (Core Profile) Mesa 26.1.0"));
     EXPECT_FALSE(gl::is_jumping_renderer(cpu, "4.5 (Core Profile) Mesa 22.3.6"));
     EXPECT_FALSE(gl::is_jumping_renderer(cpu, "4.5 (Core Profile)"));
+    EXPECT_FALSE(gl::is_jumping_renderer("softpipe", "3.3 (Core Profile) Mesa 25.0.7"));
     EXPECT_FALSE(gl::is_jumping_renderer("Mesa Intel(R) Graphics", "4.6 Mesa 25.0.7"));
     EXPECT_FALSE(gl::is_jumping_renderer("NVIDIA H100 80GB HBM3", "4.6.0 NVIDIA 580.95.05"));
 }

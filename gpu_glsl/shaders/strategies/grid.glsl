@@ -72,7 +72,7 @@ struct Walker {
     float start;    // t of the ray where the course begins
     float end;      // where the walk ends at the latest
     Walk walk;      // at the cell that comes next
-    CELL cell;      // its word
+    CELL cell;      // what is stored of it
     float t_exit;   // where the course leaves the cell at hand
     int at;         // in that cell's list: the triangle to be tested ...
     uint next;      // ... and its reference
@@ -87,8 +87,9 @@ bool is_before_end(Walker walker) {
 
 bool is_in_empty_cell(Walker walker) { return is_empty_cell(walker.cell); }
 
-// Begins where an earlier walk stopped, if it did. What begins behind t = `t_nearest` of the ray,
-// the nearest hit's so far, is not looked at; on this instance that is the hit on triangle `found`.
+// A ray made ready for a walk through an instance's grid, over its part [t_first, t_last], from
+// where an earlier walk stopped, if it did. What begins behind t = `t_nearest` of the ray, the
+// nearest hit's so far, is not looked at; on this instance that is the hit on triangle `found`.
 Walker begin_walker(uint inst_id, Ray ray, float t_first, float t_last, double t_nearest,
                     uint found, Findings earlier) {
     Walker walker;
@@ -256,7 +257,7 @@ DECLARE(Ray ray_again(Ray ray))
 //
 // Floats walk and test; when the walk is over, or has no room for what it found, doubles decide
 // (lib/triangle/candidates.glsl). A walk that decided on its way would pay for it at every test: a
-// software renderer goes through both sides of a branch, and a GPU keeps registers for both.
+// software renderer may go through both sides of a branch, and a GPU keeps registers for both.
 //
 // A GPU runs as many rays at once as their registers allow, so that the walk should keep nothing
 // for the decision, nor the decision for a walk that seldom goes on. Hence `anew`.

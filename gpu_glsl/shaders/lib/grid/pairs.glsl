@@ -32,7 +32,7 @@ struct Search {
 void aim_at_instance(INOUT(Search) search) {
     Span part = part_in_cell(search.descent);
     search.goes_on = search.descent.is_met;
-    search.inst_id = search.descent.inst_id;
+    search.inst_id = search.goes_on ? search.descent.inst_id : kWholeScene;  // one that there is
     search.t_first = part.enter;
     search.t_last = part.leave;
     // (Neither an instance nor the end: the driver ended a loop.)
