@@ -388,18 +388,28 @@ Framebuffer::Framebuffer(uint32_t width, uint32_t height, const std::vector<Texe
 
 // Launches ---------------------------------------------------------------------------------------
 
-void draw_fullscreen(const Program& program, const Framebuffer& framebuffer) {
-    program.use();
-    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
-    glViewport(0, 0, static_cast<GLsizei>(framebuffer.width()),
-               static_cast<GLsizei>(framebuffer.height()));
+void draw_over(uint32_t width, uint32_t height) {
+    // Half of a viewport of twice the size is one triangle. Where that is too large, two are drawn:
+    // a software renderer shades the blocks that their common edge crosses for either.
+    GLint most[2] = {};
+    glGetIntegerv(GL_MAX_VIEWPORT_DIMS, most);
+    const auto w = static_cast<GLsizei>(width);
+    const auto h = static_cast<GLsizei>(height);
+    const bool is_one = w <= most[0] / 2 && h <= most[1] / 2;
+    glViewport(0, 0, is_one ? 2 * w : w, is_one ? 2 * h : h);
 
     // A core profile draws nothing without a vertex array, even an empty one.
     GLuint id = 0;
     glGenVertexArrays(1, &id);
     const Handle vertex_array(id, [](GLuint array) { glDeleteVertexArrays(1, &array); });
     glBindVertexArray(id);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, is_one ? 3 : 4);
+}
+
+void draw_fullscreen(const Program& program, const Framebuffer& framebuffer) {
+    program.use();
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer.id());
+    draw_over(framebuffer.width(), framebuffer.height());
     check_gl(fmt::format("drawing with program '{}'", program.name()));
 }
 

@@ -311,8 +311,12 @@ class Program {
     std::vector<GLuint> buffers_;               ///< by binding point
 };
 
-/// One triangle that covers the whole framebuffer, without vertex buffers: the vertex shader makes
-/// the corners from gl_VertexID 0, 1, 2.
+/// Draws over all of a target of that size that is bound, with the program in use and without
+/// vertex buffers: the vertex shader makes the viewport's corners from gl_VertexID 0 to 3
+/// (shaders/entry/fullscreen.vert.glsl).
+void draw_over(uint32_t width, uint32_t height);
+
+/// Shades the whole framebuffer; the vertex shader is as above.
 void draw_fullscreen(const Program& program, const Framebuffer& framebuffer);
 
 /// Runs `groups` work groups, then makes their writes visible to everything that follows.

@@ -5,17 +5,6 @@
 #include "core/error.h"
 
 namespace onepass::gl {
-namespace {
-
-/// A vertex array without arrays: a core profile draws nothing without one.
-Handle make_empty_vertex_array() {
-    GLuint id = 0;
-    glGenVertexArrays(1, &id);
-    return Handle(id, [](GLuint array) { glDeleteVertexArrays(1, &array); });
-}
-
-}  // namespace
-
 DepthBuffer::DepthBuffer(uint32_t width, uint32_t height) {
     GLuint id = 0;
     glGenRenderbuffers(1, &id);
@@ -80,9 +69,8 @@ void PassTarget::clear_uints(uint32_t location) const {
 void draw_pass(const Program& program, const PassTarget& target, DepthUse use, float depth) {
     program.use();
     glBindFramebuffer(GL_FRAMEBUFFER, target.id());
-    glViewport(0, 0, static_cast<GLsizei>(target.width()), static_cast<GLsizei>(target.height()));
 
-    // The triangle has depth 0 in clip space; an empty depth range maps that to the one wanted.
+    // What is drawn has depth 0 in clip space; an empty depth range maps that to the one wanted.
     if (use != DepthUse::none) glEnable(GL_DEPTH_TEST);
     if (use == DepthUse::write) glDepthFunc(GL_ALWAYS);
     if (use == DepthUse::only_equal) {
@@ -91,9 +79,7 @@ void draw_pass(const Program& program, const PassTarget& target, DepthUse use, f
         glDepthRange(static_cast<GLdouble>(depth), static_cast<GLdouble>(depth));
     }
 
-    const Handle vertex_array = make_empty_vertex_array();
-    glBindVertexArray(vertex_array.id());
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+    draw_over(target.width(), target.height());
 
     glDisable(GL_DEPTH_TEST);
     glDepthFunc(GL_LESS);

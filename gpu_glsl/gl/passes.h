@@ -54,7 +54,7 @@ enum class DepthUse {
     only_equal,  ///< only fragments whose pixel holds the pass's depth run; nothing is written
 };
 
-/// Draws one triangle over the whole target, at depth `depth`.
+/// Draws over the whole target, at depth `depth` (objects.h: draw_over).
 void draw_pass(const Program& program, const PassTarget& target, DepthUse use, float depth = 0.0f);
 
 /// An occlusion query: counts the samples of the draws between begin() and end() that pass the

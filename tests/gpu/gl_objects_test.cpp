@@ -155,6 +155,27 @@ TEST_F(GlObjects, a_draw_fills_float_and_integer_targets_together) {
     }
 }
 
+TEST_F(GlObjects, a_draw_fills_targets_of_any_size) {
+    const auto most = static_cast<uint32_t>(context->limits().max_texture_size);
+    const uint32_t half = most / 2;
+    const Texture table = texture_2d("table", TexelFormat::rgba32f, 1, 1, std::vector<float>(4));
+    Program program = fragment_program("entry/two_targets.glsl");
+    program.set_texture("table", table);
+    program.set_uniform("scale", glm::vec3(1.0f));
+    for (const glm::uvec2& size :
+         {glm::uvec2(half, 2), glm::uvec2(half + 1, 2), glm::uvec2(most, 1),
+          glm::uvec2(3, half + 1), glm::uvec2(1, most)}) {
+        program.set_uniform("image_width", static_cast<int>(size.x));
+        const Framebuffer framebuffer(size.x, size.y,
+                                      {TexelFormat::rgba32f, TexelFormat::rgba32ui});
+        draw_fullscreen(program, framebuffer);
+        const std::vector<uint32_t> uints = read_uints(framebuffer.target(1));
+        for (uint32_t pixel = 0; pixel < size.x * size.y; ++pixel) {
+            ASSERT_EQ(uints[4 * pixel], pixel) << size.x << " x " << size.y;
+        }
+    }
+}
+
 TEST_F(GlObjects, every_kind_of_table_is_read_at_its_texel) {
     constexpr uint32_t kTexels = kWidth * kHeight;
     const std::vector<float> volume = ramp(2 * kTexels);

@@ -1,5 +1,5 @@
-// Entry: one triangle that covers the image, from no vertex data.
+// Entry: the corners of the viewport, from no vertex data: a strip of two triangles.
 void main() {
-    vec2 corner = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);
-    gl_Position = vec4(corner, 0.0, 1.0);
+    ivec2 corner = ivec2(gl_VertexID & 1, gl_VertexID >> 1);
+    gl_Position = vec4(vec2(2 * corner - 1), 0.0, 1.0);
 }
