@@ -1,5 +1,7 @@
 #include "gpu_glsl/device_io.h"
 
+#include <bit>
+
 namespace onepass {
 namespace {
 
@@ -131,16 +133,19 @@ uint64_t append_hits(const gl::Framebuffer& answers, size_t count, bool counters
 }
 
 void append_pairs(const gl::Framebuffer& answers, size_t count, CastResult& result) {
-    const std::vector<float> hits[2] = {gl::read_floats(answers.target(0)),
-                                        gl::read_floats(answers.target(2))};
-    const std::vector<uint32_t> ids[2] = {gl::read_uints(answers.target(1)),
-                                          gl::read_uints(answers.target(3))};
+    const std::vector<uint32_t> hits[2] = {gl::read_uints(answers.target(0)),
+                                           gl::read_uints(answers.target(1))};
+    const std::vector<uint32_t> instances = gl::read_uints(answers.target(2));
+    const auto number = [](uint32_t bits) { return std::bit_cast<float>(bits); };
     for (size_t i = 0; i < count; ++i) {
         const size_t which = i / kLanes % 2;
         const size_t place = i / (2 * kLanes) * kLanes + i % kLanes;
         const size_t at = 4 * texel_at(place, answers.height());
-        result.hits.push_back(make_hit(&hits[which][at], &ids[which][at]));
-        result.flags.push_back(ids[which][at + 2]);
+        const uint32_t* const hit = &hits[which][at];
+        const uint32_t* const instance = &instances[at + 2 * which];
+        result.hits.push_back(
+            {number(hit[1]), number(hit[2]), number(hit[3]), hit[0], instance[0]});
+        result.flags.push_back(instance[1]);
     }
 }
 

@@ -2,12 +2,15 @@
 #include "lib/given_rays.glsl"
 #include "lib/grid/pairs.glsl"
 
-layout(location = 0) out vec4 out_hit;         // t, u, v
-layout(location = 1) out uvec4 out_ids;        // prim_id, inst_id, flags
-layout(location = 2) out vec4 out_second_hit;  // of the other ray
-layout(location = 3) out uvec4 out_second_ids;
+layout(location = 0) out uvec4 out_hit;        // prim_id; t, u, v as bits
+layout(location = 1) out uvec4 out_other_hit;  // of the other ray
+layout(location = 2) out uvec4 out_instances;  // of each, inst_id and flags
 
 Ray ray_again(Ray ray) { return ray; }  // (strategies/grid.glsl)
+
+uvec4 words_of(Hit hit) {
+    return uvec4(hit.prim_id, floatBitsToUint(vec3(hit.t, hit.u, hit.v)));
+}
 
 void main() {
     reset_counters();
@@ -17,8 +20,7 @@ void main() {
     Answer a;
     Answer b;
     closest_hits(given_ray(first), given_ray(first + 8), a, b);
-    out_hit = vec4(a.hit.t, a.hit.u, a.hit.v, 0.0);
-    out_ids = uvec4(a.hit.prim_id, a.hit.inst_id, a.flags, 0u);
-    out_second_hit = vec4(b.hit.t, b.hit.u, b.hit.v, 0.0);
-    out_second_ids = uvec4(b.hit.prim_id, b.hit.inst_id, b.flags, 0u);
+    out_hit = words_of(a.hit);
+    out_other_hit = words_of(b.hit);
+    out_instances = uvec4(a.hit.inst_id, a.flags, b.hit.inst_id, b.flags);
 }
