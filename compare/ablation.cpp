@@ -32,6 +32,8 @@ const std::vector<AblationStep>& ablation_steps(const std::string& strategy) {
           {"boxes: an instance is walked through only if its box is met",
            {},
            {{"test_boxes", "0"}}},
+          {"triangles as floats: 48 bytes that need no unpacking", {}, {{"records", "fixed"}}},
+          {"triangles as fixed-point numbers: 32 bytes", {}, {{"records", "floats"}}},
           kAnyHit,
           kSpecialise,
           {"doubles: they decide where floats cannot tell", {}, {{"decide", "floats"}}},

@@ -32,11 +32,14 @@ TracerInfo tracer_info(const gl::StrategyInfo& info, const std::string& storage,
             .by_default = info.by_default};
 }
 
-TextureLimits limits_of(const gl::GlContext& context) {
-    return {.max_2d = static_cast<uint32_t>(context.limits().max_texture_size),
-            .max_3d = static_cast<uint32_t>(context.limits().max_3d_texture_size),
-            .max_buffer = static_cast<uint64_t>(context.limits().max_texture_buffer_size),
-            .max_block = static_cast<uint64_t>(context.limits().max_ssbo_bytes)};
+Target target_of(const gl::GlContext& context) {
+    const gl::GlLimits& limits = context.limits();
+    return {.limits = {.max_2d = static_cast<uint32_t>(limits.max_texture_size),
+                       .max_3d = static_cast<uint32_t>(limits.max_3d_texture_size),
+                       .max_buffer = static_cast<uint64_t>(limits.max_texture_buffer_size),
+                       .max_block = static_cast<uint64_t>(limits.max_ssbo_bytes)},
+            .is_software = context.description().software,
+            .jumps = context.description().jumps};
 }
 
 /// The units of a strategy in one storage. Throws: Error if the front matter and the build differ.
@@ -69,7 +72,7 @@ CatalogueEntry gpu_entry(const LibraryPtr& library, const gl::StrategyInfo& info
         gl::GlContext& gl_context = context();
         return make_gpu_tracer(
             tracer_name(info, storage, entry_name),
-            prepare_strategy(info, storage, std::move(scene), values, limits_of(gl_context)), entry,
+            prepare_strategy(info, storage, std::move(scene), values, target_of(gl_context)), entry,
             *library, gl_context);
     };
     return result;
@@ -105,7 +108,7 @@ std::vector<CatalogueEntry> streaming_entries(const LibraryPtr& library,
             gl::GlContext& gl_context = context();
             return make_streaming_tracer(
                 tracer_name(info, storage, entry_name),
-                prepare_strategy(info, storage, std::move(scene), values, limits_of(gl_context)),
+                prepare_strategy(info, storage, std::move(scene), values, target_of(gl_context)),
                 entry, *library, gl_context);
         };
         entries.push_back(std::move(result));

@@ -30,8 +30,6 @@ class GpuTracer final : public Tracer {
           library_(library),
           context_(context),
           glsl_version_(glsl_version_for(prepared_.info, entry, context.description().gl)) {
-        prepared_.is_software = context.description().software;
-        prepared_.jumps = context.description().jumps;
         for (const TextureData& texture : prepared_.inputs.textures) {
             textures_.push_back(upload_texture(texture));
         }

@@ -150,6 +150,11 @@ gl::ShaderConstant has_linear_maps(const PreparedStrategy& prepared) {
     return {"has_linear_maps", !(is_fixed && all_are_shifted && specialises(prepared.params))};
 }
 
+/// A constant of the shader that looks up which object an instance is of.
+gl::ShaderConstant has_one_object(const PreparedStrategy& prepared) {
+    return {"has_one_object", prepared.scene->objects.size() == 1 && specialises(prepared.params)};
+}
+
 /// What a frame needs, for one shader that serves scenes of every kind: it holds all that any of
 /// them needs, and learns of this one at run time.
 std::vector<gl::ShaderConstant> for_all_scenes(std::vector<gl::ShaderConstant> constants) {
@@ -264,7 +269,8 @@ void pack_grid_as(PreparedStrategy& prepared, const TextureLimits& limits, Buffe
     const double build_ms = grid.build_ms;
     const auto object_builds = static_cast<double>(triangle_grids_built() - built_before);
     const auto start = std::chrono::steady_clock::now();
-    TwoLevelBuffers packed = pack_two_level_buffers(*prepared.scene, std::move(grid), limits, kind);
+    TwoLevelBuffers packed = pack_two_level_buffers(*prepared.scene, std::move(grid), limits, kind,
+                                                    prepared.planes_form());
     prepared.stats = {{"build_ms", build_ms, "both levels, all threads"},
                       {"pack_ms", ms_since(start), ""},
                       {"object_builds", object_builds, "object grids built so far"},
@@ -275,6 +281,7 @@ void pack_grid_as(PreparedStrategy& prepared, const TextureLimits& limits, Buffe
     add_packed(prepared, packed);
     prepared.param_constants.push_back(has_top_level(prepared));
     prepared.param_constants.push_back(has_linear_maps(prepared));
+    prepared.param_constants.push_back(has_one_object(prepared));
 }
 
 void pack_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
@@ -341,8 +348,8 @@ void pack_irregular_grid(PreparedStrategy& prepared, const TextureLimits& limits
     const auto start = std::chrono::steady_clock::now();
     const auto object_builds = static_cast<double>(grid.objects.size());
     const double build_ms = grid.build_ms;
-    TwoLevelBuffers packed =
-        pack_irregular_grid_buffers(*prepared.scene, std::move(grid), limits, kind);
+    TwoLevelBuffers packed = pack_irregular_grid_buffers(*prepared.scene, std::move(grid), limits,
+                                                         kind, prepared.planes_form());
     prepared.stats = {{"build_ms", build_ms, "both levels, all threads"},
                       {"pack_ms", ms_since(start), ""},
                       {"object_builds", object_builds, "object grids built so far"},
@@ -353,6 +360,7 @@ void pack_irregular_grid(PreparedStrategy& prepared, const TextureLimits& limits
     add_packed(prepared, packed);
     prepared.param_constants.push_back(has_top_level(prepared));
     prepared.param_constants.push_back(has_linear_maps(prepared));
+    prepared.param_constants.push_back(has_one_object(prepared));
 }
 
 void pack_irregular_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
@@ -383,15 +391,18 @@ std::vector<ParamInfo> flat_grid_params() {
 void pack_flat_grid(PreparedStrategy& prepared, const TextureLimits& limits, BufferKind kind) {
     const GridSizing sizing{.density = positive(prepared.params, "density"),
                             .resolution = explicit_resolution(prepared.params, "resolution")};
-    check_flat_grid_fits(*prepared.scene, limits, kind);
+    const PlanesForm form = prepared.planes_form();
+    check_flat_grid_fits(*prepared.scene, limits, kind, form);
     FlatGrid grid = build_flat_grid(*prepared.scene, sizing);
     const double build_ms = grid.build_ms;
     const auto start = std::chrono::steady_clock::now();
-    TwoLevelBuffers packed = pack_flat_grid_buffers(*prepared.scene, std::move(grid), limits, kind);
+    TwoLevelBuffers packed =
+        pack_flat_grid_buffers(*prepared.scene, std::move(grid), limits, kind, form);
     prepared.stats = {{"build_ms", build_ms, "all threads"}, {"pack_ms", ms_since(start), ""}};
     add_packed(prepared, packed);
     prepared.param_constants.push_back({"has_top_level", false});
     prepared.param_constants.push_back(has_linear_maps(prepared));
+    prepared.param_constants.push_back(has_one_object(prepared));
 }
 
 void pack_flat_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
@@ -428,7 +439,8 @@ void pack_bvh(PreparedStrategy& prepared, const TextureLimits& limits, BufferKin
     settings.test_cost = positive(prepared.params, "test_cost");
     const TwoLevelBvh bvh = build_two_level_bvh(*prepared.scene, settings);
     const auto start = std::chrono::steady_clock::now();
-    BvhBuffers packed = pack_bvh_buffers(*prepared.scene, bvh, limits, kind);
+    BvhBuffers packed =
+        pack_bvh_buffers(*prepared.scene, bvh, limits, kind, prepared.planes_form());
     prepared.stats = {{"build_ms", bvh.build_ms, "both levels, all threads"},
                       {"pack_ms", ms_since(start), ""}};
     add_packed(prepared, packed);
@@ -519,12 +531,20 @@ bool PreparedStrategy::casts_pairs() const {
     return pairs == "on" || (pairs == "auto" && jumps);
 }
 
+PlanesForm PreparedStrategy::planes_form() const {
+    if (!has(params, "records")) return PlanesForm::floats;
+    const std::string& records = params.text("records");
+    const bool is_fixed = records == "fixed" || (records == "auto" && is_software);
+    return is_fixed ? PlanesForm::fixed : PlanesForm::floats;
+}
+
 std::vector<gl::ShaderConstant> PreparedStrategy::constants(bool count_work,
                                                             const SceneNeeds* needs,
                                                             Query query) const {
     std::vector<gl::ShaderConstant> all = {{"count_work", count_work},
                                            {"is_software", is_software},
                                            {"loads_texels_in_place", is_software && !jumps},
+                                           {"has_fixed_planes", planes_form() == PlanesForm::fixed},
                                            {"any_query", query == Query::any && answers_any()}};
     if (!has(params, "any_hit")) all.push_back({"any_hit", 0});
     all.insert(all.end(), param_constants.begin(), param_constants.end());
@@ -545,8 +565,7 @@ std::vector<ParamInfo> strategy_params(const gl::StrategyInfo& info, const std::
 }
 
 PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::string& storage,
-                                  ScenePtr scene, const ParamValues& values,
-                                  const TextureLimits& limits) {
+                                  ScenePtr scene, const ParamValues& values, const Target& target) {
     PreparedStrategy prepared{.info = info,
                               .storage = storage,
                               .scene = std::move(scene),
@@ -554,14 +573,16 @@ PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::strin
                               .inputs = {},
                               .param_constants = {},
                               .stats = {},
-                              .moving = {}};
+                              .moving = {},
+                              .is_software = target.is_software,
+                              .jumps = target.jumps};
     for (const ParamInfo& param : info.params) {
         prepared.param_constants.push_back(param_constant(param, prepared.params));
     }
-    find_packing(info, storage).pack(prepared, limits);
+    find_packing(info, storage).pack(prepared, target.limits);
     const double structure_bytes = static_cast<double>(prepared.inputs.texture_bytes());
     prepared.inputs.append(pack_shading_tables(
-        *prepared.scene, scene_needs(*prepared.scene, {}).smooth_normals, limits));
+        *prepared.scene, scene_needs(*prepared.scene, {}).smooth_normals, target.limits));
     prepared.stats.push_back(
         {"device_bytes", structure_bytes, "structure, without shading tables"});
     return prepared;

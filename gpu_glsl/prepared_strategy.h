@@ -13,6 +13,7 @@
 #include "core/params.h"
 #include "core/scene_needs.h"
 #include "gpu_glsl/gl/shader_library.h"
+#include "gpu_glsl/pack/barycentric_planes.h"
 #include "gpu_glsl/pack/shader_inputs.h"
 #include "gpu_glsl/pack/top_level_update.h"
 
@@ -28,9 +29,8 @@ struct PreparedStrategy {
     std::vector<Stat> stats;
     /// What moving takes; nothing: it does not move.
     std::variant<std::monostate, MovingTopLevel, MovingTopBuffers> moving;
-    /// Whether a software renderer is to run it (shaders/lib/renderer.glsl, loops.glsl).
-    bool is_software = false;
-    bool jumps = false;  ///< one that jumps (gl/context.h: is_jumping_renderer)
+    bool is_software = false;  ///< of the target
+    bool jumps = false;
 
     /// The roots of a shader: storage, strategy, then the entry.
     std::vector<std::string> files_with(const std::string& entry_file) const;
@@ -43,6 +43,10 @@ struct PreparedStrategy {
     /// one; `auto`: where that pays.
     bool casts_pairs() const;
 
+    /// How the planes of triangles are stored: by the strategy's parameter `records`; `auto`: as
+    /// the device does best with.
+    PlanesForm planes_form() const;
+
     /// All constants of a variant. `needs`: what the frame asks for; nullptr for `cast`, which
     /// shades nothing. `query`: what all rays of a cast ask; those of a frame differ.
     std::vector<gl::ShaderConstant> constants(bool count_work, const SceneNeeds* needs,
@@ -53,11 +57,17 @@ struct PreparedStrategy {
 /// Throws: Error if no packing is known for the structure and storage.
 std::vector<ParamInfo> strategy_params(const gl::StrategyInfo& info, const std::string& storage);
 
+/// What runs a strategy: by default a GPU, or a twin.
+struct Target {
+    TextureLimits limits;
+    bool is_software = false;  ///< a software renderer (shaders/lib/renderer.glsl, loops.glsl)
+    bool jumps = false;        ///< one that jumps (gl/context.h: is_jumping_renderer)
+};
+
 /// Builds the structure and packs it.
 /// Throws: Error for bad parameter values, or a scene that does not fit the limits.
 PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::string& storage,
-                                  ScenePtr scene, const ParamValues& values,
-                                  const TextureLimits& limits);
+                                  ScenePtr scene, const ParamValues& values, const Target& target);
 
 /// The cells of its object's grid whose lists hold a triangle; empty if the structure has no grids.
 /// Cost: builds the object's grid anew: packed tables are made to be walked, not searched.

@@ -2,12 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include <glm/glm.hpp>
 
+#include "core/error.h"
+
 namespace onepass {
 namespace {
+
+#include "gpu_glsl/shaders/shared/planes_layout.h"
 
 struct Corners {
     dvec3 a;
@@ -31,6 +36,7 @@ dvec3 across(const dvec3& v) {
 /// test.
 Corners widened(const Corners& thin) {
     constexpr double kHeight = 1.0 / 4096.0;
+    constexpr double kNoHeight = 1.0 / (1 << 30);  // beside the longest edge
     std::array<Corners, 3> turns = {
         {{thin.a, thin.b, thin.c}, {thin.b, thin.c, thin.a}, {thin.c, thin.a, thin.b}}};
     const auto [from, to, third] =
@@ -38,40 +44,129 @@ Corners widened(const Corners& thin) {
     const double length = distance(from, to);
     const dvec3 along = length > 0.0 ? (to - from) / length : dvec3(1.0, 0.0, 0.0);
     const dvec3 offset = third - from - dot(third - from, along) * along;
-    const dvec3 up = glm::length(offset) > 0.0 ? normalize(offset) : across(along);
+    const bool has_height = glm::length(offset) > kNoHeight * length;
+    const dvec3 up = has_height ? normalize(offset) : across(along);
     const dvec3 overhang = std::max(0.5 * length, kHeight) * along;
     return {from - overhang - kHeight * up, to + overhang - kHeight * up,
             0.5 * (from + to) + 6.0 * kHeight * up};
 }
 
-}  // namespace
+/// A triangle's plane, not scaled; and of v1 and v2, the planes (m, e) on which their weight is 0.
+struct Planes {
+    dvec3 normal;
+    dvec3 corner;  // a point of the plane
+    dvec3 first;
+    dvec3 second;
+    double first_e = 0.0;
+    double second_e = 0.0;
+};
 
-void put_barycentric_planes(float* out, const dvec3& v0, const dvec3& v1, const dvec3& v2) {
-    constexpr double kThin = 1.0 / (1 << 20);
-    const auto edges_squared = [](const Corners& t) {
-        return std::max(
-            {dot(t.b - t.a, t.b - t.a), dot(t.c - t.b, t.c - t.b), dot(t.a - t.c, t.a - t.c)});
-    };
-    Corners t{v0, v1, v2};
-    const bool is_thin = !(glm::length(cross(t.b - t.a, t.c - t.a)) > kThin * edges_squared(t));
-    if (is_thin) t = widened(t);
-
+Planes planes_of(const Corners& t) {
     const dvec3 normal = cross(t.b - t.a, t.c - t.a);
     const double area_squared = dot(normal, normal);
     const dvec3 first = cross(t.c - t.a, normal) / area_squared;
     const dvec3 second = cross(normal, t.b - t.a) / area_squared;
-    double scale =
-        1.0 / (sum_of_sizes(normal) * (sum_of_sizes(first) + sum_of_sizes(second) + 1.0));
-    if (dot(normal, t.a) < 0.0) scale = -scale;
-    const auto put = [&](float* texel, const dvec3& n, double d) {
-        for (int axis = 0; axis < 3; ++axis) texel[axis] = static_cast<float>(n[axis]);
-        texel[3] = static_cast<float>(d);
+    return {normal, t.a, first, second, -dot(first, t.a), -dot(second, t.a)};
+}
+
+/// Too thin or too low for planes.
+bool is_thin(const Corners& t) {
+    constexpr double kThin = 1.0 / (1 << 20);
+    constexpr double kLow = 1.0 / (1 << 26);
+    const double longest_squared =
+        std::max({dot(t.b - t.a, t.b - t.a), dot(t.c - t.b, t.c - t.b), dot(t.a - t.c, t.a - t.c)});
+    const double area = glm::length(cross(t.b - t.a, t.c - t.a));
+    return !(area > kThin * longest_squared) || !(area > kLow * std::sqrt(longest_squared));
+}
+
+/// The bounds on rounding are for corners in the box. Those around a thin triangle lie outside, and
+/// so their record is scaled down more.
+constexpr double kThinScale = 0.25;
+
+void put_floats(uint32_t* out, const Planes& planes, bool is_thin) {
+    double scale = 1.0 / (sum_of_sizes(planes.normal) *
+                          (sum_of_sizes(planes.first) + sum_of_sizes(planes.second) + 1.0));
+    if (is_thin) scale *= kThinScale;
+    // Of the two ways round, that of d >= 0; the other one for thin triangles.
+    if (dot(planes.normal, planes.corner) < 0.0) scale = -scale;
+    const auto put = [&](uint32_t* texel, const dvec3& n, double d) {
+        for (int axis = 0; axis < 3; ++axis) {
+            texel[axis] = std::bit_cast<uint32_t>(static_cast<float>(n[axis]));
+        }
+        texel[3] = std::bit_cast<uint32_t>(static_cast<float>(d));
     };
-    put(out, scale * normal, std::abs(scale * dot(normal, t.a)));
-    put(out + 4, first, -dot(first, t.a));
-    put(out + 8, second, -dot(second, t.a));
-    // Turned the other way round, it is the same plane, and the sign of d tells.
-    for (int k = 0; is_thin && k < 4; ++k) out[k] = -out[k];
+    put(out, scale * planes.normal, std::abs(scale * dot(planes.normal, planes.corner)));
+    put(out + 4, planes.first, planes.first_e);
+    put(out + 8, planes.second, planes.second_e);
+    constexpr uint32_t kSign = 0x80000000u;
+    for (int k = 0; is_thin && k < 4; ++k) out[k] ^= kSign;
+}
+
+int32_t rounded(double x) { return static_cast<int32_t>(x + std::copysign(0.5, x)); }
+
+/// A word that is read as 2^31 times a number in [-1, 1], with other bits in its low byte.
+uint32_t fixed_word(double number, uint32_t low_byte) {
+    ONEPASS_CHECK_LE(std::abs(number), 1.0);
+    constexpr int32_t kOne = 1 << 23;
+    const int32_t high = rounded((number * 0x1p31 - low_byte) / 256.0);
+    return (static_cast<uint32_t>(std::clamp(high, -kOne, kOne - 1)) << 8) | low_byte;
+}
+
+void put_fixed(uint32_t* out, const Planes& planes, bool is_thin) {
+    // On the plane, p[k] = d - slope.x p[i] - slope.y p[j].
+    const dvec3 n = planes.normal;
+    const dvec3 size = abs(n);
+    const int k = size.x >= size.y ? (size.x >= size.z ? 0 : 2) : (size.y >= size.z ? 1 : 2);
+    const int i = k == 0 ? 1 : 0;
+    const int j = k == 2 ? 1 : 2;
+    const glm::dvec2 slope = glm::dvec2(n[i], n[j]) / n[k];
+    const double d = dot(n, planes.corner) / n[k];
+    const auto seen = [&](const dvec3& m, double e) {  // weights, by p[i], p[j] and 1
+        return dvec3(m[i] - m[k] * slope.x, m[j] - m[k] * slope.y, e + m[k] * d);
+    };
+    dvec3 first = seen(planes.first, planes.first_e);
+    dvec3 second = seen(planes.second, planes.second_e);
+
+    // A byte says a scale of eighths of an octave, no larger than what the bounds on rounding ask
+    // for and than all numbers have room for.
+    const double sum =
+        std::abs(first.x) + std::abs(first.y) + std::abs(second.x) + std::abs(second.y) + 1.0;
+    const double most =
+        std::max({is_thin ? sum / kThinScale : sum, std::abs(first.z), std::abs(second.z)});
+    constexpr double kRoundingOfFloats = 1.0 - 0x1p-23;
+    const auto units = static_cast<float>(kRoundingOfFloats * 0x1p31 / most);
+    const uint32_t scale_byte = (std::bit_cast<uint32_t>(units) - kLeastScale) >> kScaleShift;
+    ONEPASS_CHECK_LT(scale_byte, 256u);
+    const double scale = std::bit_cast<float>((scale_byte << kScaleShift) + kLeastScale) * 0x1p-31;
+    first *= scale;
+    second *= scale;
+
+    const uint32_t ninth = fixed_word(second.z, 0);
+    const uint32_t along = k == 0 ? kAlongX : k == 2 ? kAlongZ : 0;
+    out[0] = fixed_word(slope.x, ninth >> 24);
+    out[1] = fixed_word(slope.y, (ninth >> 16) & 255u);
+    ONEPASS_CHECK_LT(std::abs(d), 3.9);
+    out[2] = static_cast<uint32_t>(rounded(d * 0x1p29));
+    out[3] = fixed_word(first.x, (ninth >> 8) & 255u);
+    out[4] = fixed_word(first.y, scale_byte);
+    out[5] = fixed_word(first.z, along | (is_thin ? kThinPlanes : 0));
+    out[6] = fixed_word(second.x, 0);
+    out[7] = fixed_word(second.y, 0);
+}
+
+}  // namespace
+
+size_t planes_words(PlanesForm form) {
+    return 4 *
+           static_cast<size_t>(form == PlanesForm::fixed ? kFixedPlanesTexels : kFloatPlanesTexels);
+}
+
+void put_barycentric_planes(uint32_t* out, PlanesForm form, const dvec3& v0, const dvec3& v1,
+                            const dvec3& v2) {
+    const Corners t{v0, v1, v2};
+    const bool thin = is_thin(t);
+    const Planes planes = planes_of(thin ? widened(t) : t);
+    (form == PlanesForm::fixed ? put_fixed : put_floats)(out, planes, thin);
 }
 
 }  // namespace onepass

@@ -10,7 +10,6 @@
 
 #include "core/error.h"
 #include "core/grid/sizing.h"
-#include "gpu_glsl/pack/barycentric_planes.h"
 #include "gpu_glsl/pack/frames.h"
 
 namespace onepass {
@@ -90,8 +89,8 @@ void put_nodes(uint32_t* out, const Bvh& bvh, const Surroundings& around, uint32
 }
 
 /// An object's corners and planes in the order of the leaves, and the triangle in each slot.
-void put_triangles(float* corners, float* planes, uint32_t* primitives, const Object& object,
-                   const Bvh& bvh, const Surroundings& around) {
+void put_triangles(float* corners, uint32_t* planes, PlanesForm form, uint32_t* primitives,
+                   const Object& object, const Bvh& bvh, const Surroundings& around) {
     const GridFrame& frame = around.frame;
     tbb::parallel_for(
         tbb::blocked_range<size_t>(0, bvh.primitives.size(), 1 << 12), [&](const auto& range) {
@@ -108,8 +107,8 @@ void put_triangles(float* corners, float* planes, uint32_t* primitives, const Ob
                         stored[v][axis] = double{out[axis]} - around.centre[axis];
                     }
                 }
-                put_barycentric_planes(planes + 4 * kBvhPlanesTexels * slot, stored[0], stored[1],
-                                       stored[2]);
+                put_barycentric_planes(planes + planes_words(form) * slot, form, stored[0],
+                                       stored[1], stored[2]);
             }
         });
 }
@@ -175,7 +174,7 @@ std::vector<UniformData> top_uniforms(const Surroundings& top) {
 }  // namespace
 
 BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh, const TextureLimits& limits,
-                            BufferKind kind) {
+                            BufferKind kind, PlanesForm form) {
     // The objects.
     const std::vector<Place> places = places_of(bvh.objects);
     check_slots(places.back().slot);
@@ -183,8 +182,8 @@ BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh, const Te
                                          4, limits, kind);
     TextureData vertices = make_float_buffer("bvh_vertices", "triangles",
                                              places.back().slot * kBvhTriangleTexels, limits, kind);
-    TextureData planes = make_float_buffer("bvh_planes", "triangles",
-                                           places.back().slot * kBvhPlanesTexels, limits, kind);
+    TextureData planes = make_word_buffer(
+        "bvh_planes", "triangles", places.back().slot * planes_words(form) / 4, 4, limits, kind);
     TextureData primitives =
         make_word_buffer("bvh_primitives", "triangles", places.back().slot, 1, limits, kind);
     std::vector<Surroundings> around;
@@ -195,7 +194,7 @@ BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh, const Te
         put_nodes(&nodes.words[4 * kBvhNodeTexels * at.node], tree, around.back(),
                   static_cast<uint32_t>(at.node), static_cast<uint32_t>(at.slot));
         put_triangles(&vertices.texels[4 * kBvhTriangleTexels * at.slot],
-                      &planes.texels[4 * kBvhPlanesTexels * at.slot], &primitives.words[at.slot],
+                      &planes.words[planes_words(form) * at.slot], form, &primitives.words[at.slot],
                       scene.objects[k], tree, around.back());
     }
 

@@ -6,6 +6,7 @@
 #include "core/bvh/bvh.h"
 #include "core/scene.h"
 #include "core/tracer.h"
+#include "gpu_glsl/pack/barycentric_planes.h"
 #include "gpu_glsl/pack/shader_inputs.h"
 
 namespace onepass {
@@ -19,10 +20,10 @@ struct BvhBuffers {
 ///
 /// Positions are stored in the frame of their object, without rounding; boxes are counted from its
 /// centre and rounded outwards. `kind`: of nodes and triangles, which a walk fetches; the rest is
-/// always read as textures.
+/// always read as textures. `form`: of what triangle tests read.
 /// Cost:   O(nodes + triangles).
 /// Throws: Error naming the buffer, what was asked and the limit, if the scene does not fit.
 BvhBuffers pack_bvh_buffers(const Scene& scene, const TwoLevelBvh& bvh, const TextureLimits& limits,
-                            BufferKind kind);
+                            BufferKind kind, PlanesForm form);
 
 }  // namespace onepass

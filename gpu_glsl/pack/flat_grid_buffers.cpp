@@ -15,14 +15,11 @@
 #include "core/grid/duplicates.h"
 #include "core/grid/two_level_grid.h"
 #include "core/storage_order.h"
-#include "gpu_glsl/pack/barycentric_planes.h"
 
 namespace onepass {
 namespace {
 
 #include "gpu_glsl/shaders/shared/grid_buffers_layout.h"
-
-constexpr size_t kPlanesFloats = 4 * kPlanesTexels;
 
 const Object& object_of(const Scene& scene, const Instance& instance) {
     return scene.objects[instance.object];
@@ -133,12 +130,13 @@ Object mesh_in_frame(const FlatGrid& flat, const Scene& scene) {
 
 /// From the corners as they are, not as mesh_in_frame() rounds them. That they are wrong by d =
 /// 2^-51 moves a weight, for points in the triangle or next to it, by less than 4 d of the record's
-/// sum A + B + 1: nothing beside 22 * 2^-24 of it, the bound of lib/triangle/rule_out.glsl.
-RawVector<float> pack_planes(const FlatGrid& flat, const Scene& scene) {
-    RawVector<float> planes(kPlanesFloats * flat.first.back());
+/// sum A + B + 1: nothing beside 22 or 45 * 2^-24 of it, the bounds of the test (lib/triangle).
+RawVector<uint32_t> pack_planes(const FlatGrid& flat, const Scene& scene, PlanesForm form) {
+    const size_t a_record = planes_words(form);
+    RawVector<uint32_t> planes(a_record * flat.first.back());
     for_each_triangle(flat, scene, [&](size_t at, uint32_t inst_id, uint32_t prim_id) {
         const std::array<dvec3, 3> p = corners_in_frame(flat, scene, inst_id, prim_id);
-        put_barycentric_planes(&planes[kPlanesFloats * at], p[0], p[1], p[2]);
+        put_barycentric_planes(&planes[a_record * at], form, p[0], p[1], p[2]);
     });
     return planes;
 }
@@ -180,12 +178,11 @@ TwoLevelGrid grids_around(const Scene& scene) {
     return around;
 }
 
-[[noreturn]] void refuse(uint64_t triangles, uint64_t most) {
+[[noreturn]] void refuse(uint64_t triangles, uint64_t most, size_t bytes) {
     throw Error(
         {.where = "one grid over the triangles of all instances",
          .got = fmt::format("{} triangles", triangles),
-         .expected = fmt::format("at most {}, with {} bytes each in one buffer", most,
-                                 kPlanesFloats * sizeof(float)),
+         .expected = fmt::format("at most {}, with {} bytes each in one buffer", most, bytes),
          .remedy = "Use `grid`, which keeps an object once, however many instances it has."});
 }
 
@@ -209,22 +206,24 @@ FlatGrid build_flat_grid(const Scene& scene, const GridSizing& sizing) {
     return flat;
 }
 
-void check_flat_grid_fits(const Scene& scene, const TextureLimits& limits, BufferKind kind) {
+void check_flat_grid_fits(const Scene& scene, const TextureLimits& limits, BufferKind kind,
+                          PlanesForm form) {
+    const size_t bytes = planes_words(form) * sizeof(uint32_t);
     uint64_t triangles = 0;
     for (const Instance& instance : scene.instances) {
         triangles += object_of(scene, instance).triangles.size();
     }
     // While the grid is built, corners are numbered in 32 bits.
     constexpr uint64_t kMostTriangles = (uint64_t{1} << 32) / 3;
-    const uint64_t most =
-        std::min<uint64_t>(kMostTriangles, kind == BufferKind::block
-                                               ? limits.max_block / (kPlanesFloats * sizeof(float))
-                                               : limits.max_buffer / kPlanesTexels);
-    if (triangles > most) refuse(triangles, most);
+    const uint64_t most = std::min<uint64_t>(
+        kMostTriangles, kind == BufferKind::block ? limits.max_block / bytes
+                                                  : limits.max_buffer / (bytes / sizeof(vec4)));
+    if (triangles > most) refuse(triangles, most, bytes);
 }
 
 TwoLevelBuffers pack_flat_grid_buffers(const Scene& scene, FlatGrid flat,
-                                       const TextureLimits& limits, BufferKind kind) {
+                                       const TextureLimits& limits, BufferKind kind,
+                                       PlanesForm form) {
     // What decisions rest on.
     TwoLevelBuffers packed = pack_two_level_buffers(scene, grids_around(scene), limits, kind);
     ShaderInputs& inputs = packed.inputs;
@@ -242,7 +241,7 @@ TwoLevelBuffers pack_flat_grid_buffers(const Scene& scene, FlatGrid flat,
     inputs.texture("references") =
         word_buffer_of("references", "references", std::move(grid.references), limits, kind);
     inputs.texture("planes") =
-        float_buffer_of("planes", "triangles", pack_planes(flat, scene), limits, kind);
+        word_buffer_of("planes", "triangles", pack_planes(flat, scene, form), limits, kind, 4);
     inputs.textures.push_back(pack_names(flat, scene, packed.slots, limits));
 
     packed.stats = {{"triangles", static_cast<double>(flat.first.back()), "of all instances"},

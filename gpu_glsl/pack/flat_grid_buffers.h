@@ -7,6 +7,7 @@
 
 #include "core/grid/uniform_grid.h"
 #include "core/scene.h"
+#include "gpu_glsl/pack/barycentric_planes.h"
 #include "gpu_glsl/pack/frames.h"
 #include "gpu_glsl/pack/two_level_buffers.h"
 
@@ -31,7 +32,8 @@ struct FlatGrid {
 FlatGrid build_flat_grid(const Scene& scene, const GridSizing& sizing);
 
 /// Throws: Error if the triangles of all instances surely exceed what buffers of that kind hold.
-void check_flat_grid_fits(const Scene& scene, const TextureLimits& limits, BufferKind kind);
+void check_flat_grid_fits(const Scene& scene, const TextureLimits& limits, BufferKind kind,
+                          PlanesForm form);
 
 /// Layouts in gpu_glsl/shaders/storage/flat_grid/flat_cells.glsl. Objects' vertices and instances,
 /// on which decisions rest, are packed as pack_two_level_buffers() does.
@@ -39,6 +41,7 @@ void check_flat_grid_fits(const Scene& scene, const TextureLimits& limits, Buffe
 /// Cost:   O(cells + references + triangles of all instances); parallel.
 /// Throws: Error naming the buffer, what was asked and the limit, if the scene does not fit.
 TwoLevelBuffers pack_flat_grid_buffers(const Scene& scene, FlatGrid grid,
-                                       const TextureLimits& limits, BufferKind kind);
+                                       const TextureLimits& limits, BufferKind kind,
+                                       PlanesForm form);
 
 }  // namespace onepass

@@ -131,7 +131,8 @@ TwoLevelIrregularGrid build_two_level_irregular_grid(const Scene& scene,
 }
 
 TwoLevelBuffers pack_irregular_grid_buffers(const Scene& scene, TwoLevelIrregularGrid grid,
-                                            const TextureLimits& limits, BufferKind kind) {
+                                            const TextureLimits& limits, BufferKind kind,
+                                            PlanesForm form) {
     // The tables of the irregular grids.
     const std::vector<Place> places = places_of(grid.objects);
     check_names("nodes", places.back().node, IrregularNode::kMostFirst);
@@ -150,7 +151,8 @@ TwoLevelBuffers pack_irregular_grid_buffers(const Scene& scene, TwoLevelIrregula
     // of.
     const uint64_t top_cells = grid.around.top.cell_count();
     const uint64_t top_references = grid.around.top.references.size();
-    TwoLevelBuffers packed = pack_two_level_buffers(scene, std::move(grid.around), limits, kind);
+    TwoLevelBuffers packed =
+        pack_two_level_buffers(scene, std::move(grid.around), limits, kind, form);
     ShaderInputs& inputs = packed.inputs;
     for (size_t k = 0; k < grid.objects.size(); ++k) {
         put_references(references.words.data() + places[k].reference, grid.objects[k],

@@ -6,6 +6,7 @@
 #include "core/grid/two_level_grid.h"
 #include "core/irregular_grid/irregular_grid.h"
 #include "core/scene.h"
+#include "gpu_glsl/pack/barycentric_planes.h"
 #include "gpu_glsl/pack/two_level_buffers.h"
 
 namespace onepass {
@@ -33,6 +34,7 @@ TwoLevelIrregularGrid build_two_level_irregular_grid(const Scene& scene,
 /// Cost:   O(nodes + cells + references + triangles).
 /// Throws: Error naming the buffer, what was asked and the limit, if the scene does not fit.
 TwoLevelBuffers pack_irregular_grid_buffers(const Scene& scene, TwoLevelIrregularGrid grid,
-                                            const TextureLimits& limits, BufferKind kind);
+                                            const TextureLimits& limits, BufferKind kind,
+                                            PlanesForm form);
 
 }  // namespace onepass

@@ -10,7 +10,6 @@
 
 #include "core/error.h"
 #include "core/grid/empty_space.h"
-#include "gpu_glsl/pack/barycentric_planes.h"
 
 namespace onepass {
 namespace {
@@ -137,17 +136,17 @@ RawVector<float> pack_vertices(const Scene& scene, std::span<const GridFrame> fr
 
 struct PackedTriangles {
     RawVector<uint32_t> corners;  ///< indices of vertices, and the triangle's own
-    RawVector<float> planes;      ///< from the centres of their grids
+    RawVector<uint32_t> planes;   ///< from the centres of their grids
 };
 
 PackedTriangles pack_triangles(const Scene& scene, const std::vector<UniformGrid>& grids,
                                std::span<const RawVector<uint32_t>> slots,
                                std::span<const GridFrame> frames,
                                const std::vector<uint64_t>& first_triangle,
-                               const std::vector<uint64_t>& first_vertex) {
-    constexpr size_t kPlanesFloats = 4 * kPlanesTexels;
+                               const std::vector<uint64_t>& first_vertex, PlanesForm form) {
+    const size_t a_record = planes_words(form);
     PackedTriangles packed{RawVector<uint32_t>(kCornersWords * first_triangle.back()),
-                           RawVector<float>(kPlanesFloats * first_triangle.back())};
+                           RawVector<uint32_t>(a_record * first_triangle.back())};
     for (size_t k = 0; k < scene.objects.size(); ++k) {
         const Object& object = scene.objects[k];
         const dvec3 centre = centre_in(grids[k].bounds, frames[k]);
@@ -164,7 +163,7 @@ PackedTriangles pack_triangles(const Scene& scene, const std::vector<UniformGrid
                         p[v] = dvec3(in_frame(object.positions[corner], frames[k])) - centre;
                     }
                     corners[3] = static_cast<uint32_t>(i);
-                    put_barycentric_planes(&packed.planes[kPlanesFloats * at], p[0], p[1], p[2]);
+                    put_barycentric_planes(&packed.planes[a_record * at], form, p[0], p[1], p[2]);
                 }
             });
     }
@@ -277,7 +276,8 @@ ShaderInputs pack_top_buffers(const Scene& scene, std::span<const Affine> world_
 }
 
 TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
-                                       const TextureLimits& limits, BufferKind kind) {
+                                       const TextureLimits& limits, BufferKind kind,
+                                       PlanesForm form) {
     // What lies where.
     std::vector<UniformGrid>& grids = grid.objects;
     const std::vector<uint64_t> first_cell =
@@ -324,9 +324,9 @@ TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
     RawVector<uint32_t> references = joined(grids, &UniformGrid::references);
     references.push_back(0);  // read, though not used, behind the last list (strategies/grid.glsl)
     add(word_buffer_of("references", "references", std::move(references), limits, kind));
-    PackedTriangles triangles =
-        pack_triangles(scene, grids, packed.slots, packed.frames, first_triangle, first_vertex);
-    add(float_buffer_of("planes", "triangles", std::move(triangles.planes), limits, kind));
+    PackedTriangles triangles = pack_triangles(scene, grids, packed.slots, packed.frames,
+                                               first_triangle, first_vertex, form);
+    add(word_buffer_of("planes", "triangles", std::move(triangles.planes), limits, kind, 4));
     add(word_buffer_of("corners", "triangles", std::move(triangles.corners), limits, kind,
                        kCornersWords));
     add(float_buffer_of("vertices", "vertices", pack_vertices(scene, packed.frames, first_vertex),

@@ -9,6 +9,7 @@
 #include "core/scene.h"
 #include "core/storage_order.h"
 #include "core/tracer.h"
+#include "gpu_glsl/pack/barycentric_planes.h"
 #include "gpu_glsl/pack/frames.h"
 #include "gpu_glsl/pack/shader_inputs.h"
 
@@ -28,13 +29,14 @@ struct TwoLevelBuffers {
 ///
 /// Positions are stored in the frame of their object's grid, without rounding; triangles lie
 /// in the order of core/storage_order.h. `kind`: of cells, references and triangles, which
-/// a walk fetches; the rest is always read as textures.
+/// a walk fetches; the rest is always read as textures. `form`: of what triangle tests read.
 /// Cost:   O(cells + references + triangles); parallel. The grids' arrays become buffers in place:
 ///         beside them 8 bits a cell of one grid at a time, and where objects are several the
 ///         buffers are filled as the grids are given up; 4 bytes a triangle.
 /// Throws: Error naming the buffer, what was asked and the limit, if the scene does not fit.
 TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
-                                       const TextureLimits& limits, BufferKind kind);
+                                       const TextureLimits& limits, BufferKind kind,
+                                       PlanesForm form = PlanesForm::floats);
 
 /// Makes a grid's references and cells words (shared/grid_buffers_layout.h), in place. Its lists
 /// begin at `first_reference` of the buffer. `slots`: by which they name what they refer to; empty:

@@ -32,20 +32,22 @@ class BvhStrategy : public GlTest {
 
 TEST_F(BvhStrategy, hits_are_bit_identical_to_its_twin_on_a_software_renderer) {
     if (!context->description().software) GTEST_SKIP() << "promised on software renderers only";
-    for (const Scene& made : {make_balls_1(), make_instances(), make_big_small(), make_knife()}) {
+    for (const auto& [made, records] :
+         in_both_records({make_balls_1(), make_instances(), make_big_small(), make_knife()})) {
         const ScenePtr scene = share(made);
         const std::vector<std::vector<Ray>> ray_sets = {primary_rays(*scene, 64, 64),
                                                         random_rays(scene_bounds(*scene), 5000, 7),
                                                         awkward_rays(*scene)};
-        const auto twin = make(kTwin, scene);
+        const auto twin = make(kTwin, scene, {{"records", records}});
         for (const char* entry : kEntries) {
-            const auto tracer = make(entry, scene);
+            const auto tracer = make(entry, scene, {{"records", records}});
             for (const std::vector<Ray>& rays : ray_sets) {
                 const CastResult gpu = cast(*tracer, rays, {.counters = true});
                 const CastResult cpu = cast(*twin, rays, {.counters = true});
-                expect_same_bits(gpu.hits, cpu.hits, made.name + " " + entry);
-                EXPECT_EQ(gpu.flags, cpu.flags) << made.name << " " << entry;
-                EXPECT_EQ(gpu.counters, cpu.counters) << made.name << " " << entry;
+                expect_same_bits(gpu.hits, cpu.hits, made.name + " " + records + " " + entry);
+                EXPECT_EQ(gpu.flags, cpu.flags) << made.name << " " << records << " " << entry;
+                EXPECT_EQ(gpu.counters, cpu.counters)
+                    << made.name << " " << records << " " << entry;
             }
         }
     }
@@ -308,7 +310,8 @@ TEST_F(BvhStrategy, one_instance_pays_for_no_top_level) {
 
 TEST_F(BvhStrategy, a_buffer_that_the_device_cannot_hold_is_refused_by_name) {
     try {
-        prepare_strategy(bvh_info(), "buffer", share(make_balls_1()), {}, {.max_buffer = 1000});
+        prepare_strategy(bvh_info(), "buffer", share(make_balls_1()), {},
+                         {.limits = {.max_buffer = 1000}});
         FAIL() << "1000 texels were enough";
     } catch (const Error& error) {
         EXPECT_NE(error.parts().where.find("bvh_nodes"), std::string::npos) << error.what();
@@ -319,9 +322,12 @@ TEST_F(BvhStrategy, a_buffer_that_the_device_cannot_hold_is_refused_by_name) {
 
 TEST_F(BvhStrategy, what_a_walk_fetches_is_held_to_the_limit_of_its_own_storage) {
     const ScenePtr scene = share(make_balls_1());
-    EXPECT_NO_THROW(prepare_strategy(bvh_info(), "ssbo", scene, {}, {.max_buffer = 1000}));
-    EXPECT_NO_THROW(prepare_strategy(bvh_info(), "buffer", scene, {}, {.max_block = 1000}));
-    EXPECT_THROW(prepare_strategy(bvh_info(), "ssbo", scene, {}, {.max_block = 1000}), Error);
+    EXPECT_NO_THROW(
+        prepare_strategy(bvh_info(), "ssbo", scene, {}, {.limits = {.max_buffer = 1000}}));
+    EXPECT_NO_THROW(
+        prepare_strategy(bvh_info(), "buffer", scene, {}, {.limits = {.max_block = 1000}}));
+    EXPECT_THROW(prepare_strategy(bvh_info(), "ssbo", scene, {}, {.limits = {.max_block = 1000}}),
+                 Error);
 }
 
 }  // namespace

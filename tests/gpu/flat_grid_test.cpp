@@ -95,16 +95,18 @@ std::vector<Ray> mixed_rays(const Scene& scene) {
 
 TEST_F(FlatGridStrategy, hits_are_bit_identical_to_its_twin_on_a_software_renderer) {
     if (!context->description().software) GTEST_SKIP() << "promised on software renderers only";
-    for (const Scene& made : {make_balls_1(), make_instances(), make_palace()}) {
+    for (const auto& [made, records] :
+         in_both_records({make_balls_1(), make_instances(), make_palace()})) {
         const ScenePtr scene = share(made);
         const std::vector<Ray> rays = mixed_rays(*scene);
-        const auto twin = make(kTwin, scene);
+        const auto twin = make(kTwin, scene, {{"records", records}});
         const CastResult cpu = cast(*twin, rays, {.counters = true});
         for (const char* entry : kEntries) {
-            const CastResult gpu = cast(*make(entry, scene), rays, {.counters = true});
-            expect_same_bits(gpu.hits, cpu.hits, made.name + " " + entry);
-            EXPECT_EQ(gpu.flags, cpu.flags) << made.name << " " << entry;
-            EXPECT_EQ(gpu.counters, cpu.counters) << made.name << " " << entry;
+            const CastResult gpu =
+                cast(*make(entry, scene, {{"records", records}}), rays, {.counters = true});
+            expect_same_bits(gpu.hits, cpu.hits, made.name + " " + records + " " + entry);
+            EXPECT_EQ(gpu.flags, cpu.flags) << made.name << " " << records << " " << entry;
+            EXPECT_EQ(gpu.counters, cpu.counters) << made.name << " " << records << " " << entry;
         }
     }
 }
@@ -267,16 +269,18 @@ TEST_F(FlatGridStrategy, refuses_more_triangles_than_the_device_holds_and_names_
     for (const Instance& instance : scene.instances) {
         triangles += scene.objects[instance.object].triangles.size();
     }
-    constexpr uint64_t kTexelsATriangle = 3;
-    constexpr uint64_t kBytesATriangle = 48;
-    const TextureLimits enough{.max_buffer = triangles * kTexelsATriangle,
-                               .max_block = triangles * kBytesATriangle};
-    const TextureLimits less{.max_buffer = enough.max_buffer - 1,
-                             .max_block = enough.max_block - 1};
-    for (const BufferKind kind : {BufferKind::texture, BufferKind::block}) {
-        EXPECT_NO_THROW(check_flat_grid_fits(scene, enough, kind));
+    for (const auto& [form, kind] : {std::pair(PlanesForm::floats, BufferKind::texture),
+                                     std::pair(PlanesForm::floats, BufferKind::block),
+                                     std::pair(PlanesForm::fixed, BufferKind::texture),
+                                     std::pair(PlanesForm::fixed, BufferKind::block)}) {
+        const uint64_t bytes_a_triangle = form == PlanesForm::floats ? 48 : 32;
+        const TextureLimits enough{.max_buffer = triangles * bytes_a_triangle / 16,
+                                   .max_block = triangles * bytes_a_triangle};
+        const TextureLimits less{.max_buffer = enough.max_buffer - 1,
+                                 .max_block = enough.max_block - 1};
+        EXPECT_NO_THROW(check_flat_grid_fits(scene, enough, kind, form));
         try {
-            check_flat_grid_fits(scene, less, kind);
+            check_flat_grid_fits(scene, less, kind, form);
             ADD_FAILURE() << "fewer were enough";
         } catch (const Error& error) {
             EXPECT_NE(error.parts().got.find(std::to_string(triangles)), std::string::npos);

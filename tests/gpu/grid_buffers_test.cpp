@@ -63,8 +63,8 @@ TEST(GridBuffers, of_an_object_are_the_same_alone_and_behind_another) {
     ASSERT_EQ(references.size(), first.object_references + alone.object_references + 1);
     EXPECT_TRUE(std::equal(own_references.begin(), own_references.end(),
                            references.begin() + std::ptrdiff_t(first.object_references)));
-    const auto& planes = both.inputs.texture("planes").texels;
-    const auto& own = alone.inputs.texture("planes").texels;
+    const auto& planes = both.inputs.texture("planes").words;
+    const auto& own = alone.inputs.texture("planes").words;
     EXPECT_TRUE(std::equal(own.begin(), own.end(), planes.end() - std::ptrdiff_t(own.size())));
     // So do triangles behind the other's vertices.
     const auto& vertices = both.inputs.texture("vertices").texels;

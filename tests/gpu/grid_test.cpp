@@ -39,23 +39,25 @@ class GridStrategy : public GlTest {
 
 TEST_F(GridStrategy, hits_are_bit_identical_to_its_twin_on_a_software_renderer) {
     if (!context->description().software) GTEST_SKIP() << "promised on software renderers only";
-    for (const Scene& made : {make_balls_1(), make_instances(), make_big_small(), make_knife()}) {
+    for (const auto& [made, records] :
+         in_both_records({make_balls_1(), make_instances(), make_big_small(), make_knife()})) {
         const ScenePtr scene = share(made);
         const std::vector<std::vector<Ray>> ray_sets = {primary_rays(*scene, 64, 64),
                                                         random_rays(scene_bounds(*scene), 5000, 7),
                                                         awkward_rays(*scene)};
-        const auto twin = make("grid/buffer/twin32", scene);
+        const auto twin = make("grid/buffer/twin32", scene, {{"records", records}});
         for (const char* entry : kEntries) {
-            const auto tracer = make(entry, scene);
+            const auto tracer = make(entry, scene, {{"records", records}});
             for (const std::vector<Ray>& rays : ray_sets) {
                 const CastResult gpu = cast(*tracer, rays, {.counters = true});
                 const CastResult cpu = cast(*twin, rays, {.counters = true});
-                expect_same_bits(gpu.hits, cpu.hits, made.name + " " + entry);
-                EXPECT_EQ(gpu.flags, cpu.flags) << made.name << " " << entry;
+                expect_same_bits(gpu.hits, cpu.hits, made.name + " " + records + " " + entry);
+                EXPECT_EQ(gpu.flags, cpu.flags) << made.name << " " << records << " " << entry;
                 const auto [theirs, ours] =
                     std::mismatch(gpu.counters.begin(), gpu.counters.end(), cpu.counters.begin());
                 EXPECT_EQ(theirs - gpu.counters.begin(), std::ptrdiff_t(rays.size()))
-                    << made.name << " " << entry << ": the first ray that costs another number of "
+                    << made.name << " " << records << " " << entry
+                    << ": the first ray that costs another number of "
                     << "cells, tests or references";
             }
         }
@@ -790,7 +792,7 @@ std::string refusal(const std::string& storage, const TextureLimits& limits) {
     for (const gl::StrategyInfo& info : gl::ShaderLibrary::embedded().strategies()) {
         if (info.name != "grid") continue;
         try {
-            prepare_strategy(info, storage, share(make_balls_1()), {}, limits);
+            prepare_strategy(info, storage, share(make_balls_1()), {}, {.limits = limits});
             return "";
         } catch (const Error& error) {
             return error.what();

@@ -44,16 +44,18 @@ std::vector<Ray> mixed_rays(const Scene& scene) {
 
 TEST_F(IrregularGridStrategy, hits_are_bit_identical_to_its_twin_on_a_software_renderer) {
     if (!context->description().software) GTEST_SKIP() << "promised on software renderers only";
-    for (const Scene& made : {make_balls_1(), make_instances(), make_ball_on_ground()}) {
+    for (const auto& [made, records] :
+         in_both_records({make_balls_1(), make_instances(), make_ball_on_ground()})) {
         const ScenePtr scene = share(made);
         const std::vector<Ray> rays = mixed_rays(*scene);
-        const auto twin = make(kTwin, scene);
+        const auto twin = make(kTwin, scene, {{"records", records}});
         const CastResult cpu = cast(*twin, rays, {.counters = true});
         for (const char* entry : kEntries) {
-            const CastResult gpu = cast(*make(entry, scene), rays, {.counters = true});
-            expect_same_bits(gpu.hits, cpu.hits, made.name + " " + entry);
-            EXPECT_EQ(gpu.flags, cpu.flags) << made.name << " " << entry;
-            EXPECT_EQ(gpu.counters, cpu.counters) << made.name << " " << entry;
+            const CastResult gpu =
+                cast(*make(entry, scene, {{"records", records}}), rays, {.counters = true});
+            expect_same_bits(gpu.hits, cpu.hits, made.name + " " + records + " " + entry);
+            EXPECT_EQ(gpu.flags, cpu.flags) << made.name << " " << records << " " << entry;
+            EXPECT_EQ(gpu.counters, cpu.counters) << made.name << " " << records << " " << entry;
         }
     }
 }
@@ -179,7 +181,8 @@ TEST_F(IrregularGridStrategy, a_buffer_that_the_device_cannot_hold_is_refused_by
     for (const gl::StrategyInfo& info : library.strategies()) {
         if (info.name != "irregular_grid") continue;
         try {
-            prepare_strategy(info, "buffer", share(make_balls_1()), {}, {.max_buffer = 1000});
+            prepare_strategy(info, "buffer", share(make_balls_1()), {},
+                             {.limits = {.max_buffer = 1000}});
             FAIL() << "1000 texels were enough";
         } catch (const Error& error) {
             EXPECT_NE(error.parts().where.find("nodes"), std::string::npos) << error.what();

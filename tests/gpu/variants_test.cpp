@@ -172,7 +172,7 @@ PreparedStrategy prepare_claims(const std::string& storage, const ScenePtr& scen
                                 uint32_t max_2d) {
     for (const gl::StrategyInfo& info : gl::ShaderLibrary::embedded().strategies()) {
         if (info.name != "paper_claims") continue;
-        return prepare_strategy(info, storage, scene, {}, {.max_2d = max_2d});
+        return prepare_strategy(info, storage, scene, {}, {.limits = {.max_2d = max_2d}});
     }
     throw std::runtime_error("no paper_claims strategy");
 }

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -19,6 +20,17 @@
 namespace onepass::test {
 
 inline ScenePtr share(Scene scene) { return std::make_shared<const Scene>(std::move(scene)); }
+
+/// Each scene with either form of the parameter `records`: a GPU, as a twin, has floats by default and a
+/// software renderer fixed-point numbers.
+inline std::vector<std::pair<Scene, std::string>> in_both_records(
+    const std::vector<Scene>& scenes) {
+    std::vector<std::pair<Scene, std::string>> cases;
+    for (const Scene& scene : scenes) {
+        for (const char* records : {"floats", "fixed"}) cases.emplace_back(scene, records);
+    }
+    return cases;
+}
 
 /// The built-in shaders' tracers on the test's context.
 inline Catalogue catalogue_of(const std::shared_ptr<gl::GlContext>& context,

@@ -18,8 +18,7 @@ uint anew(uint n, uint id) { return n + (id >> 31u); }
 
 // ---- Tables ------------------------------------------------------------------------------------
 
-// Buffers of a `uint` (words), a `uvec4` (records) or a `vec4` (vectors) to a texel, which a walk
-// reads at every step. A software renderer calls a function for each texel of a buffer texture;
+// Buffers of a `uint` (words) or a `uvec4` (records) to a texel, which a walk reads at every step. A software renderer calls a function for each texel of a buffer texture;
 // those of an image it loads in place. That is faster for words, and for whole texels with Mesa
 // 22.3, not with 25.
 #ifndef ONEPASS_TWIN
@@ -32,11 +31,9 @@ uint anew(uint n, uint id) { return n + (id >> 31u); }
 #endif
 #if NEEDS(loads_texels_in_place)
 #define RECORD_TABLE(name) layout(rgba32ui) readonly uniform uimageBuffer name;
-#define VECTOR_TABLE(name) layout(rgba32f) readonly uniform imageBuffer name;
 #define FETCHTEXEL(name, index) imageLoad(name, index)
 #else
 #define RECORD_TABLE(name) UBUFFER(name)
-#define VECTOR_TABLE(name) BUFFER(name)
 #define FETCHTEXEL(name, index) FETCHBUFFER(name, index)
 #endif
 #endif

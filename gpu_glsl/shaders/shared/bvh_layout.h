@@ -13,9 +13,6 @@ const uint kBvhInner = 0x80000000u;
 const uint kBvhSlot = 16u;
 const uint kBvhNothing = 0u;
 
-// What floats test (pack/barycentric_planes.h), from the centre of the object's box.
-const int kBvhPlanesTexels = 3;
-
 // The corners, in the object's frame.
 const int kBvhTriangleTexels = 3;
 

@@ -8,9 +8,6 @@ const int kGridFrameTexels = 5;
 // Integers: dims and the index of the first cell; then first triangle, depth, 0, 0.
 const int kGridNumberTexels = 2;
 
-// What floats test (pack/barycentric_planes.h), from the centre of the object's grid.
-const int kPlanesTexels = 3;
-
 // A word a cell. An empty one has this bit, and below it, for each octant of directions, the code
 // of the edge of an empty cube ahead (core/grid/empty_space.h): 1 + code (code + 1) / 2. A full one
 // is the index of its first reference.

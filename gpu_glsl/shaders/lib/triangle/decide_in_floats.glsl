@@ -9,9 +9,9 @@ SharpHit blunt_hit(Sight sight, Planes planes) {
     Weights weights = weights_of(planes, sight);
     float least = min(weights.u, min(weights.v, weights.w));
     float most = max(weights.u, max(weights.v, weights.w));
-    if ((least < 0.0 && most > 0.0) || weights.det == 0.0) {
+    float sum = weights.u + weights.v + weights.w;
+    if ((least < 0.0 && most > 0.0) || weights.det == 0.0 || sum == 0.0) {
         return SharpHit(false, double(infinity()), 0.0, 0.0);
     }
-    float share = 1.0 / weights.det;
-    return SharpHit(true, double(weights.dist * share), weights.v * share, weights.w * share);
+    return SharpHit(true, double(weights.dist / weights.det), weights.v / sum, weights.w / sum);
 }

@@ -2,7 +2,7 @@
 // common. They fetch what a walk reads at every step, and what a decision reads:
 //
 //   uvec4 node_texel(int index)
-//   vec4 planes_texel(int index)    in the leaves' order, so that a leaf's triangles lie together
+//   uvec4 planes_texel(int index)   in the leaves' order, so that a leaf's triangles lie together
 //   vec4 vertex_texel(int index)    likewise
 //   uint primitive_word(int index)  the triangle in each slot
 //
@@ -47,8 +47,9 @@ Node fetch_node(uint index) {
 }
 
 Planes fetch_planes(int slot) {
-    int at = slot * kBvhPlanesTexels;
-    return Planes(planes_texel(at), planes_texel(at + 1), planes_texel(at + 2));
+    int at = slot * planes_texels();
+    return Planes(planes_texel(at), planes_texel(at + 1),
+                  has_fixed_planes ? uvec4(0u) : planes_texel(at + 2));
 }
 
 Triangle fetch_triangle(int slot) {

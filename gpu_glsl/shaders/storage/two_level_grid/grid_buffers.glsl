@@ -2,7 +2,7 @@
 // ssbo.glsl have in common. They fetch the tables that a walk reads at every step:
 //
 //   uint reference_word(int index)
-//   vec4 planes_texel(int index)
+//   uvec4 planes_texel(int index)
 //
 // two that a decision reads, which vertices a triangle has, and those:
 //
@@ -32,6 +32,7 @@
 BUFFER(grid_frames)
 UBUFFER(grid_numbers)
 UBUFFER(instance_grids)
+CONSTANT(bool, has_one_object)  // all instances are of that one
 
 struct Grid {
     vec3 centre;         // in its frame
@@ -52,8 +53,8 @@ Grid fetch_grid(int number) {
     return Grid(vec3(FETCHBUFFER(grid_frames, at + 4)), vec3(FETCHBUFFER(grid_frames, at)),
                 vec3(FETCHBUFFER(grid_frames, at + 1)), vec3(FETCHBUFFER(grid_frames, at + 2)),
                 vec3(FETCHBUFFER(grid_frames, at + 3)),
-                ivec3(int(dims.x), int(dims.y), int(dims.z)), int(dims.w), int(first.x),
-                int(first.y));
+                ivec3(int(dims.x), int(dims.y), int(dims.z)), int(dims.w),
+                has_one_object ? 0 : int(first.x), int(first.y));
 }
 
 // ---- Cells and lists: a word each --------------------------------------------------------------
@@ -86,8 +87,9 @@ struct Name {
 };
 
 Planes fetch_planes(Grid grid, uint slot) {
-    int at = (grid.first_triangle + int(slot)) * kPlanesTexels;
-    return Planes(planes_texel(at), planes_texel(at + 1), planes_texel(at + 2));
+    int at = (grid.first_triangle + int(slot)) * planes_texels();
+    return Planes(planes_texel(at), planes_texel(at + 1),
+                  has_fixed_planes ? uvec4(0u) : planes_texel(at + 2));
 }
 
 // Which vertices a triangle has.
@@ -109,7 +111,7 @@ Triangle fetch_triangle(Corners corners) {
 }
 
 int fetch_grid_of_instance(uint inst_id) {
-    return int(FETCHBUFFER(instance_grids, int(inst_id)).x);
+    return has_one_object ? 0 : int(FETCHBUFFER(instance_grids, int(inst_id)).x);
 }
 
 #ifdef ONEPASS_TWIN

@@ -4,11 +4,11 @@
 #include "lib/renderer.glsl"
 
 WORD_TABLE(references)
-VECTOR_TABLE(planes)
+RECORD_TABLE(planes)
 UBUFFER(corners)
 BUFFER(vertices)
 
 uint reference_word(int index) { return FETCHWORD(references, index); }
-vec4 planes_texel(int index) { return FETCHTEXEL(planes, index); }
+uvec4 planes_texel(int index) { return FETCHTEXEL(planes, index); }
 uvec4 corners_texel(int index) { return FETCHBUFFER(corners, index); }
 vec4 vertex_texel(int index) { return FETCHBUFFER(vertices, index); }
