@@ -32,7 +32,7 @@ TracerInfo tracer_info(const gl::StrategyInfo& info, const std::string& storage,
             .by_default = info.by_default};
 }
 
-Target target_of(const gl::GlContext& context) {
+Device device_of(const gl::GlContext& context) {
     const gl::GlLimits& limits = context.limits();
     return {.limits = {.max_2d = static_cast<uint32_t>(limits.max_texture_size),
                        .max_3d = static_cast<uint32_t>(limits.max_3d_texture_size),
@@ -72,7 +72,7 @@ CatalogueEntry gpu_entry(const LibraryPtr& library, const gl::StrategyInfo& info
         gl::GlContext& gl_context = context();
         return make_gpu_tracer(
             tracer_name(info, storage, entry_name),
-            prepare_strategy(info, storage, std::move(scene), values, target_of(gl_context)), entry,
+            prepare_strategy(info, storage, std::move(scene), values, device_of(gl_context)), entry,
             *library, gl_context);
     };
     return result;
@@ -108,7 +108,7 @@ std::vector<CatalogueEntry> streaming_entries(const LibraryPtr& library,
             gl::GlContext& gl_context = context();
             return make_streaming_tracer(
                 tracer_name(info, storage, entry_name),
-                prepare_strategy(info, storage, std::move(scene), values, target_of(gl_context)),
+                prepare_strategy(info, storage, std::move(scene), values, device_of(gl_context)),
                 entry, *library, gl_context);
         };
         entries.push_back(std::move(result));

@@ -248,7 +248,7 @@ class GpuTracer final : public Tracer {
         const size_t each = rays_a_fragment(options);
         std::vector<gl::TexelFormat> targets = {rgba32f, rgba32ui};
         if (options.counters) targets.push_back(rgba32ui);
-        if (each == 2) targets = {rgba32ui, rgba32ui, rgba32ui};
+        if (each == 2) targets.assign(3, rgba32ui);
         const uvec2 fragments = chunk.fragments(each);
         const gl::Framebuffer framebuffer(fragments.x, fragments.y, targets);
         gl::Program& program = cast_program(options);

@@ -150,9 +150,10 @@ gl::ShaderConstant has_linear_maps(const PreparedStrategy& prepared) {
     return {"has_linear_maps", !(is_fixed && all_are_shifted && specialises(prepared.params))};
 }
 
-/// A constant of the shader that looks up which object an instance is of.
-gl::ShaderConstant has_one_object(const PreparedStrategy& prepared) {
-    return {"has_one_object", prepared.scene->objects.size() == 1 && specialises(prepared.params)};
+/// A constant of the shader that looks up which object an instance is of, or knows.
+gl::ShaderConstant has_several_objects(const PreparedStrategy& prepared) {
+    return {"has_several_objects",
+            prepared.scene->objects.size() > 1 || !specialises(prepared.params)};
 }
 
 /// What a frame needs, for one shader that serves scenes of every kind: it holds all that any of
@@ -281,7 +282,7 @@ void pack_grid_as(PreparedStrategy& prepared, const TextureLimits& limits, Buffe
     add_packed(prepared, packed);
     prepared.param_constants.push_back(has_top_level(prepared));
     prepared.param_constants.push_back(has_linear_maps(prepared));
-    prepared.param_constants.push_back(has_one_object(prepared));
+    prepared.param_constants.push_back(has_several_objects(prepared));
 }
 
 void pack_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
@@ -360,7 +361,7 @@ void pack_irregular_grid(PreparedStrategy& prepared, const TextureLimits& limits
     add_packed(prepared, packed);
     prepared.param_constants.push_back(has_top_level(prepared));
     prepared.param_constants.push_back(has_linear_maps(prepared));
-    prepared.param_constants.push_back(has_one_object(prepared));
+    prepared.param_constants.push_back(has_several_objects(prepared));
 }
 
 void pack_irregular_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
@@ -402,7 +403,7 @@ void pack_flat_grid(PreparedStrategy& prepared, const TextureLimits& limits, Buf
     add_packed(prepared, packed);
     prepared.param_constants.push_back({"has_top_level", false});
     prepared.param_constants.push_back(has_linear_maps(prepared));
-    prepared.param_constants.push_back(has_one_object(prepared));
+    prepared.param_constants.push_back(has_several_objects(prepared));
 }
 
 void pack_flat_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
@@ -565,7 +566,7 @@ std::vector<ParamInfo> strategy_params(const gl::StrategyInfo& info, const std::
 }
 
 PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::string& storage,
-                                  ScenePtr scene, const ParamValues& values, const Target& target) {
+                                  ScenePtr scene, const ParamValues& values, const Device& device) {
     PreparedStrategy prepared{.info = info,
                               .storage = storage,
                               .scene = std::move(scene),
@@ -574,15 +575,15 @@ PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::strin
                               .param_constants = {},
                               .stats = {},
                               .moving = {},
-                              .is_software = target.is_software,
-                              .jumps = target.jumps};
+                              .is_software = device.is_software,
+                              .jumps = device.jumps};
     for (const ParamInfo& param : info.params) {
         prepared.param_constants.push_back(param_constant(param, prepared.params));
     }
-    find_packing(info, storage).pack(prepared, target.limits);
+    find_packing(info, storage).pack(prepared, device.limits);
     const double structure_bytes = static_cast<double>(prepared.inputs.texture_bytes());
     prepared.inputs.append(pack_shading_tables(
-        *prepared.scene, scene_needs(*prepared.scene, {}).smooth_normals, target.limits));
+        *prepared.scene, scene_needs(*prepared.scene, {}).smooth_normals, device.limits));
     prepared.stats.push_back(
         {"device_bytes", structure_bytes, "structure, without shading tables"});
     return prepared;

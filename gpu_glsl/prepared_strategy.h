@@ -29,7 +29,7 @@ struct PreparedStrategy {
     std::vector<Stat> stats;
     /// What moving takes; nothing: it does not move.
     std::variant<std::monostate, MovingTopLevel, MovingTopBuffers> moving;
-    bool is_software = false;  ///< of the target
+    bool is_software = false;  ///< of the device
     bool jumps = false;
 
     /// The roots of a shader: storage, strategy, then the entry.
@@ -58,7 +58,7 @@ struct PreparedStrategy {
 std::vector<ParamInfo> strategy_params(const gl::StrategyInfo& info, const std::string& storage);
 
 /// What runs a strategy: by default a GPU, or a twin.
-struct Target {
+struct Device {
     TextureLimits limits;
     bool is_software = false;  ///< a software renderer (shaders/lib/renderer.glsl, loops.glsl)
     bool jumps = false;        ///< one that jumps (gl/context.h: is_jumping_renderer)
@@ -67,7 +67,7 @@ struct Target {
 /// Builds the structure and packs it.
 /// Throws: Error for bad parameter values, or a scene that does not fit the limits.
 PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::string& storage,
-                                  ScenePtr scene, const ParamValues& values, const Target& target);
+                                  ScenePtr scene, const ParamValues& values, const Device& device);
 
 /// The cells of its object's grid whose lists hold a triangle; empty if the structure has no grids.
 /// Cost: builds the object's grid anew: packed tables are made to be walked, not searched.

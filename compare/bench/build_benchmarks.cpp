@@ -30,7 +30,7 @@ TwoLevelBuffers build_and_pack_buffers(const Scene& scene, double density) {
     constexpr TextureLimits kNoLimit{.max_buffer = uint64_t{1} << 40};
     return pack_two_level_buffers(
         scene, build_two_level_grid(scene, sizing_of(density), Duplicates::dropped), kNoLimit,
-        BufferKind::texture);
+        BufferKind::texture, PlanesForm::floats);
 }
 
 void grid_build(benchmark::State& state, const Scene& scene, double density) {

@@ -58,7 +58,7 @@ void top_level_rebuild_buffers(benchmark::State& state, uint32_t instances) {
     const MovingTopBuffers moving(
         swarm.scene, sizing.top,
         pack_two_level_buffers(*swarm.scene, build_two_level_grid(*swarm.scene, sizing), {},
-                               BufferKind::texture),
+                               BufferKind::texture, PlanesForm::floats),
         {});
     EmbreeRecommit embree(*swarm.scene);
     run_by_turns(

@@ -70,13 +70,14 @@ Planes planes_of(const Corners& t) {
 }
 
 /// Too thin or too low for planes.
-bool is_thin(const Corners& t) {
+bool is_thin(const Corners& t, PlanesForm form) {
     constexpr double kThin = 1.0 / (1 << 20);
-    constexpr double kLow = 1.0 / (1 << 26);
+    constexpr double kLow = 1.0 / (1 << 28);  // scales down to 2^-31 have a byte
     const double longest_squared =
         std::max({dot(t.b - t.a, t.b - t.a), dot(t.c - t.b, t.c - t.b), dot(t.a - t.c, t.a - t.c)});
     const double area = glm::length(cross(t.b - t.a, t.c - t.a));
-    return !(area > kThin * longest_squared) || !(area > kLow * std::sqrt(longest_squared));
+    const bool is_low = !(area > kLow * std::sqrt(longest_squared));
+    return !(area > kThin * longest_squared) || (form == PlanesForm::fixed && is_low);
 }
 
 /// The bounds on rounding are for corners in the box. Those around a thin triangle lie outside, and
@@ -113,6 +114,8 @@ uint32_t fixed_word(double number, uint32_t low_byte) {
 }
 
 void put_fixed(uint32_t* out, const Planes& planes, bool is_thin) {
+    // For corners in the box d is at most 3, and room is for 4.
+    constexpr double kMostD = 3.5;
     // On the plane, p[k] = d - slope.x p[i] - slope.y p[j].
     const dvec3 n = planes.normal;
     const dvec3 size = abs(n);
@@ -121,6 +124,11 @@ void put_fixed(uint32_t* out, const Planes& planes, bool is_thin) {
     const int j = k == 2 ? 1 : 2;
     const glm::dvec2 slope = glm::dvec2(n[i], n[j]) / n[k];
     const double d = dot(n, planes.corner) / n[k];
+    if (!(std::abs(d) < kMostD)) {
+        std::fill_n(out, planes_words(PlanesForm::fixed), 0u);
+        out[5] = kNoPlanes;
+        return;
+    }
     const auto seen = [&](const dvec3& m, double e) {  // weights, by p[i], p[j] and 1
         return dvec3(m[i] - m[k] * slope.x, m[j] - m[k] * slope.y, e + m[k] * d);
     };
@@ -145,7 +153,6 @@ void put_fixed(uint32_t* out, const Planes& planes, bool is_thin) {
     const uint32_t along = k == 0 ? kAlongX : k == 2 ? kAlongZ : 0;
     out[0] = fixed_word(slope.x, ninth >> 24);
     out[1] = fixed_word(slope.y, (ninth >> 16) & 255u);
-    ONEPASS_CHECK_LT(std::abs(d), 3.9);
     out[2] = static_cast<uint32_t>(rounded(d * 0x1p29));
     out[3] = fixed_word(first.x, (ninth >> 8) & 255u);
     out[4] = fixed_word(first.y, scale_byte);
@@ -164,7 +171,7 @@ size_t planes_words(PlanesForm form) {
 void put_barycentric_planes(uint32_t* out, PlanesForm form, const dvec3& v0, const dvec3& v1,
                             const dvec3& v2) {
     const Corners t{v0, v1, v2};
-    const bool thin = is_thin(t);
+    const bool thin = is_thin(t, form);
     const Planes planes = planes_of(thin ? widened(t) : t);
     (form == PlanesForm::fixed ? put_fixed : put_floats)(out, planes, thin);
 }

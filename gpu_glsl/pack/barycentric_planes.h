@@ -21,10 +21,12 @@ size_t planes_words(PlanesForm form);
 /// axis.
 ///
 /// Either is scaled so that one bound on rounding serves all triangles. A triangle that is too thin
-/// for planes (area below 2^-20 of its longest edge squared), or too low (2^-26 of the box), gets
+/// for planes (area below 2^-20 of its longest edge squared), or for `fixed` too low (2^-28), gets
 /// those of a wider one around it, and is marked: rays near it may hit it, none surely does.
-/// Corners: from the centre of their box, of edges of at most 2.
-/// Source: after Havel & Herout 2010; Wald 2004, Baldwin & Weber 2016.
+/// Corners: from the centre of their box, of edges of at most 2. (A frame that ends before it has
+/// brought an object to that size, frames.h, may leave more. `fixed` then says of a triangle for
+/// which it has no room that any ray may hit it.) Source: after Havel & Herout 2010; Wald 2004,
+/// Baldwin & Weber 2016.
 void put_barycentric_planes(uint32_t* out, PlanesForm form, const dvec3& v0, const dvec3& v1,
                             const dvec3& v2);
 

@@ -225,7 +225,7 @@ TwoLevelBuffers pack_flat_grid_buffers(const Scene& scene, FlatGrid flat,
                                        const TextureLimits& limits, BufferKind kind,
                                        PlanesForm form) {
     // What decisions rest on.
-    TwoLevelBuffers packed = pack_two_level_buffers(scene, grids_around(scene), limits, kind);
+    TwoLevelBuffers packed = pack_two_level_buffers(scene, grids_around(scene), limits, kind, form);
     ShaderInputs& inputs = packed.inputs;
 
     // What the walk reads.

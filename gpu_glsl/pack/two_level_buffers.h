@@ -36,7 +36,7 @@ struct TwoLevelBuffers {
 /// Throws: Error naming the buffer, what was asked and the limit, if the scene does not fit.
 TwoLevelBuffers pack_two_level_buffers(const Scene& scene, TwoLevelGrid grid,
                                        const TextureLimits& limits, BufferKind kind,
-                                       PlanesForm form = PlanesForm::floats);
+                                       PlanesForm form);
 
 /// Makes a grid's references and cells words (shared/grid_buffers_layout.h), in place. Its lists
 /// begin at `first_reference` of the buffer. `slots`: by which they name what they refer to; empty:

@@ -1,4 +1,4 @@
-// Streaming in its raster form: the state in ping-pong textures, a pass a fullscreen triangle.
+// Streaming in its raster form: the state in ping-pong textures, each pass drawn over all of it.
 //
 // A round: one pass masks (shaders/streaming/raster/mask.glsl), then each kernel draws once under
 // that mask. Occlusion queries count the fragments that ran; they are read some rounds late, so

@@ -31,7 +31,7 @@ Scene scene_of(std::vector<Object> objects) {
 TwoLevelBuffers packed(const Scene& scene, double density) {
     return pack_two_level_buffers(scene,
                                   build_two_level_grid(scene, {.object = {.density = density}}),
-                                  kLimits, BufferKind::texture);
+                                  kLimits, BufferKind::texture, PlanesForm::floats);
 }
 
 TEST(GridBuffers, of_an_object_are_the_same_alone_and_behind_another) {
@@ -85,7 +85,7 @@ TEST(GridBuffers, hold_each_cells_list_and_its_end) {
     const TwoLevelGrid grid = build_two_level_grid(scene, {.object = {.density = 16.0}});
     const UniformGrid& object = grid.objects.front();
     const TwoLevelBuffers buffers =
-        pack_two_level_buffers(scene, grid, kLimits, BufferKind::texture);
+        pack_two_level_buffers(scene, grid, kLimits, BufferKind::texture, PlanesForm::floats);
     const auto& cells = buffers.inputs.texture("cells").words;
     const auto& references = buffers.inputs.texture("references").words;
     const auto& corners = buffers.inputs.texture("corners").words;
@@ -142,7 +142,7 @@ TEST(GridBuffers, hold_boxes_a_pad_wider_than_the_instances_exact_places) {
     const TwoLevelGrid grid = build_two_level_grid(scene, {.top = {.resolution = uvec3(5, 6, 7)}});
     const dvec3 cell = grid.top.cell_size();
     const TwoLevelBuffers buffers =
-        pack_two_level_buffers(scene, grid, kLimits, BufferKind::texture);
+        pack_two_level_buffers(scene, grid, kLimits, BufferKind::texture, PlanesForm::floats);
     const auto& texels = buffers.inputs.texture("instance_boxes").texels;
     ASSERT_EQ(texels.size(), 4 * kInstanceBoxTexels * scene.instances.size());
     const auto& uniforms = buffers.inputs.uniforms;

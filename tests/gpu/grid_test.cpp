@@ -64,6 +64,26 @@ TEST_F(GridStrategy, hits_are_bit_identical_to_its_twin_on_a_software_renderer) 
     }
 }
 
+TEST_F(GridStrategy, triangles_have_records_of_the_form_that_suits_the_device) {
+    const ScenePtr scene = share(make_balls_1());
+    const auto bytes_a_triangle = [&](const char* name, const ParamValues& params) {
+        double bytes = 0.0;
+        double triangles = 0.0;
+        for (const Stat& stat : make(name, scene, params)->stats()) {
+            if (stat.name == "planes_bytes") bytes = stat.value;
+            if (stat.name == "triangles") triangles = stat.value;
+        }
+        return bytes / triangles;
+    };
+    for (const char* name : {"grid/buffer/fragment", "grid/ssbo/compute", "grid/buffer/twin32"}) {
+        EXPECT_EQ(bytes_a_triangle(name, {{"records", "floats"}}), 48.0) << name;
+        EXPECT_EQ(bytes_a_triangle(name, {{"records", "fixed"}}), 32.0) << name;
+    }
+    const double on_device = context->description().software ? 32.0 : 48.0;
+    EXPECT_EQ(bytes_a_triangle("grid/buffer/fragment", {}), on_device);
+    EXPECT_EQ(bytes_a_triangle("grid/buffer/twin32", {}), 48.0);
+}
+
 TEST_F(GridStrategy, no_ray_aimed_at_corners_or_edges_is_answered_wrongly) {
     for (const Scene& made : {make_balls_1(), make_instances(), make_palace()}) {
         const ScenePtr scene = share(made);

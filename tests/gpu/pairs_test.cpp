@@ -67,7 +67,8 @@ TEST_F(Pairs, are_answered_as_each_ray_is_alone) {
         for (const char* name : kTracers) expect_same(name, scene, rays);
         for (const ParamValues& params :
              {ParamValues{{"decide", "floats"}}, ParamValues{{"test_boxes", "0"}},
-              ParamValues{{"skip_empty", "0"}}, ParamValues{{"specialise", "0"}}}) {
+              ParamValues{{"skip_empty", "0"}}, ParamValues{{"specialise", "0"}},
+              ParamValues{{"records", "floats"}}, ParamValues{{"records", "fixed"}}}) {
             expect_same(kTracers[0], scene, rays, params);
         }
     }

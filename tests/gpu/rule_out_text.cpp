@@ -39,7 +39,13 @@ RuleOut rule_out(const uint32_t* record, PlanesForm form, const vec3& org, const
     const Text::Sight sight = text.sight_from(org, dir, half_box);
     const Text::Weights weights = text.weights_of(planes, sight);
     const Text::Crossing crossing = text.crossing_of(planes, weights, sight);
-    return {text.may_cross(weights, sight), crossing.is_known, crossing.is_sure, crossing.t,
+    const float least = min(weights.u, min(weights.v, weights.w));
+    const float most = max(weights.u, max(weights.v, weights.w));
+    return {min(-least, most) / sight.doubt,
+            text.may_cross(weights, sight),
+            crossing.is_known,
+            crossing.is_sure,
+            crossing.t,
             crossing.error};
 }
 

@@ -101,6 +101,17 @@ TEST_F(Specialise, what_a_scene_has_is_there_and_nothing_beside) {
     }
 }
 
+TEST_F(Specialise, which_object_an_instance_is_of_is_looked_up_where_there_are_several) {
+    constexpr const char* kLookUp = "instance_grids";
+    for (const char* tracer :
+         {"grid/buffer/compute", "irregular_grid/ssbo/fragment", "flat_grid/buffer/fragment"}) {
+        const ScenePtr one = ball_on_ground(true, false, 1);
+        EXPECT_FALSE(holds(frame_text(tracer, one), kLookUp)) << tracer;
+        EXPECT_TRUE(holds(frame_text(tracer, one, kForAllScenes), kLookUp)) << tracer;
+        EXPECT_TRUE(holds(frame_text(tracer, ball_on_ground(false, false, 1)), kLookUp)) << tracer;
+    }
+}
+
 TEST_F(Specialise, rays_for_instances_that_are_only_shifted_meet_no_matrix) {
     constexpr const char* kMatrix = "dvec3 row_x";
     for (const char* tracer : {"grid/buffer/compute", "irregular_grid/ssbo/fragment",

@@ -7,9 +7,9 @@
 const int kFloatPlanesTexels = 3;
 
 // Fixed-point numbers: the same planes, seen along the axis on which the triangle's normal is
-// longest (lib/triangle/fixed_planes.glsl). A word is one number, with something else in its low
-// byte: read as the number, that byte is part of it, and the packer takes it into account. A number
-// in [-1, 1) is a word of 2^31 times it, d, in [-4, 4), one of 2^29.
+// longest (lib/triangle/fixed_planes.glsl). A word is a number in [-1, 1), 2^31 times; the low byte
+// may be something else: read with the number it is part of it, and the packer takes it into account.
+// Of d, in [-4, 4), a word is 2^29 times it, all of it.
 //
 //   word  number    low byte
 //   0     a         bits 24 to 31 of the ninth number
@@ -17,7 +17,7 @@ const int kFloatPlanesTexels = 3;
 //   2     d
 //   3     first.i   bits 8 to 15 of it
 //   4     first.j   the scale
-//   5     first.d   kAlongX or kAlongZ (neither: along y); kThinPlanes
+//   5     first.d   kAlongX or kAlongZ (neither: along y); kThinPlanes or kNoPlanes
 //   6     second.i
 //   7     second.j
 //   (8)   second.d  the ninth
@@ -30,3 +30,4 @@ const int kScaleShift = 20;
 const uint kAlongX = 1u;
 const uint kAlongZ = 2u;
 const uint kThinPlanes = 4u;
+const uint kNoPlanes = 8u;  // they have no room here: the triangle may be hit, at any t

@@ -6,19 +6,21 @@
 // All is in units of words: det and dist 2^31, weights 2^62.
 //
 // The bounds, with u = 2^-24, c the record's scale, and A and B the sums |first.i| + |first.j| and
-// |second.i| + |second.j|: scaled, A + B + c is at most 1, |first.d| and |second.d| are at most A / 2
-// and B / 2. A number of the record is off by u for its low byte and by half an ulp as a float, 2 u
-// at most. From this, the rounding of the ray, and that of each operation, products and sums apart:
-// det is off by 9.5 u and dist by 9.4 u; for a point in the triangle, the point times det by 20.4 u;
-// a weight times c det by (32.7 A + 6 + 3 c) u; and the third, c det without the other two, by
-// (32.7 (A + B) + 24.5 c + 12) u, less than 45 u. t is off by less than 27 u (1 + |t|) / |det|, if
-// |det| is more than 108 u.
+// |second.i| + |second.j|: scaled, A + B + c is at most 1. For coordinates of at most 1/2, |first.d| and
+// |second.d| are at most A / 2 and B / 2. A number of the record is off by u for its low byte and by
+// half an ulp as a float, 2 u at most; d by half an ulp and 2^-30. From this, the rounding of the ray,
+// and that of each operation, products and sums apart: det is off by 9.5 u and dist by 9.4 u; for a
+// point in the triangle, the point times det by 20.4 u; a weight times c det by (32.7 A + 6 + 3 c) u;
+// and the third, c det without the other two, by (32.7 (A + B) + 24.5 c + 12) u, less than 45 u. Where
+// coordinates are beyond 1/2 an ulp is twice as large at once: 47.5 u there, times twice the largest.
+// Sums in another order, as a compiler may have them, take 1.5 u more. So the doubt is 50 u. t is off
+// by less than 27 u (1 + |t|) / |det|, if |det| is more than 108 u.
 #pragma once
 #include "lib/triangle/planes.glsl"
 
 const float kUnitOfDet = 2147483648.0;               // 2^31
-const float kDoubtOfFixed = 12369505812480.0;        // 45 u, in units of 2^62
-const float kShareOfFixed = 2.7939677238464355e-10;  // 27 / 45, for det in units of 2^31
+const float kDoubtOfFixed = 13743895347200.0;        // 50 u, in units of 2^62
+const float kShareOfFixed = 2.5145709514617920e-10;  // 27 / 50, for det in units of 2^31
 
 float fixed_number(uint word) { return float(int(word)); }
 
@@ -52,6 +54,9 @@ Weights weights_by_fixed(Planes planes, vec3 org, vec3 dir) {
 }
 
 // How wrong det may be where a weight is less wrong than `doubt`.
-float error_of_det_by_fixed(float doubt) { return kShareOfFixed * doubt; }
+float error_of_det_by_fixed(Planes planes, float doubt) {
+    const float kAnything = 1e20;
+    return mix(kShareOfFixed * doubt, kAnything, (planes.b.y & kNoPlanes) != 0u);
+}
 
 bool are_thin_fixed(Planes planes) { return (planes.b.y & kThinPlanes) != 0u; }

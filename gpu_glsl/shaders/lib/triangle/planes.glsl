@@ -2,7 +2,6 @@
 #pragma once
 #include "lib/bits.glsl"
 #include "lib/math.glsl"
-#include "lib/ray.glsl"
 #include "shared/planes_layout.h"
 
 CONSTANT(bool, has_fixed_planes)  // records of fixed-point numbers, else of floats

@@ -21,8 +21,8 @@ struct Sight {
     float doubt;  // a weight of corners is wrong by less than this, in the weights' unit
 };
 
-// `half_box`: half of the box's edges. The records' bounds are for coordinates of at most 1/2; larger
-// ones, of the box or of the ray's origin, raise all errors by no more than they are larger.
+// `half_box`: half of the box's edges. For coordinates of more than 1/2, of the box or of the ray's
+// origin, the records' bounds are as much larger.
 // (The doubt is made here, because some compilers take nothing out of loops.)
 Sight sight_from(vec3 org, vec3 dir, vec3 half_box) {
     float reach = greater(1.0, 2.0 * largest(greater(abs(org), half_box)));
@@ -59,7 +59,7 @@ bool may_cross(Weights weights, Sight sight) {
 // it and its error may be no numbers, of which drivers keep no rules: nothing rests on them.)
 Crossing crossing_of(Planes planes, Weights weights, Sight sight) {
     float doubt = sight.doubt;
-    float error_of_det = has_fixed_planes ? error_of_det_by_fixed(doubt)
+    float error_of_det = has_fixed_planes ? error_of_det_by_fixed(planes, doubt)
                                           : error_of_det_by_floats(planes, doubt);
     bool is_thin = has_fixed_planes ? are_thin_fixed(planes) : are_thin_floats(planes);
     bool is_known = abs(weights.det) > 4.0 * error_of_det;

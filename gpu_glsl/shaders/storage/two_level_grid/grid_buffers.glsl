@@ -31,8 +31,7 @@
 // The object grids: fixed once they are built.
 BUFFER(grid_frames)
 UBUFFER(grid_numbers)
-UBUFFER(instance_grids)
-CONSTANT(bool, has_one_object)  // all instances are of that one
+CONSTANT(bool, has_several_objects)  // false: one, whose grid is number 0 and triangles are the first
 
 struct Grid {
     vec3 centre;         // in its frame
@@ -54,7 +53,7 @@ Grid fetch_grid(int number) {
                 vec3(FETCHBUFFER(grid_frames, at + 1)), vec3(FETCHBUFFER(grid_frames, at + 2)),
                 vec3(FETCHBUFFER(grid_frames, at + 3)),
                 ivec3(int(dims.x), int(dims.y), int(dims.z)), int(dims.w),
-                has_one_object ? 0 : int(first.x), int(first.y));
+                has_several_objects ? int(first.x) : 0, int(first.y));
 }
 
 // ---- Cells and lists: a word each --------------------------------------------------------------
@@ -110,9 +109,14 @@ Triangle fetch_triangle(Corners corners) {
                     vec3(vertex_texel(int(corners.v2))));
 }
 
+#if NEEDS(has_several_objects)
+UBUFFER(instance_grids)
 int fetch_grid_of_instance(uint inst_id) {
-    return has_one_object ? 0 : int(FETCHBUFFER(instance_grids, int(inst_id)).x);
+    return int(FETCHBUFFER(instance_grids, int(inst_id)).x);
 }
+#else
+int fetch_grid_of_instance(uint inst_id) { return 0; }
+#endif
 
 #ifdef ONEPASS_TWIN
 // (For notes of a walk.)
