@@ -63,21 +63,23 @@ struct Planes {
 
 Planes planes_of(const Corners& t) {
     const dvec3 normal = cross(t.b - t.a, t.c - t.a);
-    const double area_squared = dot(normal, normal);
-    const dvec3 first = cross(t.c - t.a, normal) / area_squared;
-    const dvec3 second = cross(normal, t.b - t.a) / area_squared;
+    const double share = 1.0 / dot(normal, normal);
+    const dvec3 first = share * cross(t.c - t.a, normal);
+    const dvec3 second = share * cross(normal, t.b - t.a);
     return {normal, t.a, first, second, -dot(first, t.a), -dot(second, t.a)};
 }
 
 /// Too thin or too low for planes.
 bool is_thin(const Corners& t, PlanesForm form) {
-    constexpr double kThin = 1.0 / (1 << 20);
-    constexpr double kLow = 1.0 / (1 << 28);  // scales down to 2^-31 have a byte
+    constexpr double kThin = 0x1p-20;
+    constexpr double kLow = 0x1p-28;  // scales down to 2^-31 have a byte
     const double longest_squared =
         std::max({dot(t.b - t.a, t.b - t.a), dot(t.c - t.b, t.c - t.b), dot(t.a - t.c, t.a - t.c)});
-    const double area = glm::length(cross(t.b - t.a, t.c - t.a));
-    const bool is_low = !(area > kLow * std::sqrt(longest_squared));
-    return !(area > kThin * longest_squared) || (form == PlanesForm::fixed && is_low);
+    const dvec3 normal = cross(t.b - t.a, t.c - t.a);
+    const double area_squared = dot(normal, normal);
+    const bool is_low = !(area_squared > kLow * kLow * longest_squared);
+    return !(area_squared > kThin * kThin * longest_squared * longest_squared) ||
+           (form == PlanesForm::fixed && is_low);
 }
 
 /// The bounds on rounding are for corners in the box. Those around a thin triangle lie outside, and
