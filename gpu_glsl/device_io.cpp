@@ -10,7 +10,7 @@ namespace {
 constexpr size_t kBlockFragments = 16;
 constexpr size_t kStripWidth = 64;
 constexpr size_t kBlockRowFragments = 4 * kStripWidth;
-constexpr size_t kFragmentsWide = 16 * kStripWidth;
+constexpr size_t kFragmentsWide = 31 * kStripWidth;  // odd: rows begin in unlike sets of a cache
 constexpr size_t kFragmentRow = 4 * kFragmentsWide;
 
 /// A chunk is filled up to a multiple of so many rays: a row of blocks with two rays a fragment.
