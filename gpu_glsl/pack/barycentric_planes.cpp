@@ -82,9 +82,9 @@ bool is_thin(const Corners& t, PlanesForm form) {
            (form == PlanesForm::fixed && is_low);
 }
 
-/// The bounds on rounding are for corners in the box. Those around a thin triangle lie outside, and
-/// so their record is scaled down more.
-constexpr double kThinScale = 0.25;
+/// The bounds on rounding are for corners in the box. Those of the one around a thin triangle lie up to
+/// half a box outside: first.d and second.d are up to A and B, and errors by a sixth larger.
+constexpr double kThinScale = 0.75;
 
 void put_floats(uint32_t* out, const Planes& planes, bool is_thin) {
     double scale = 1.0 / (sum_of_sizes(planes.normal) *
