@@ -82,8 +82,8 @@ bool is_thin(const Corners& t, PlanesForm form) {
            (form == PlanesForm::fixed && is_low);
 }
 
-/// The bounds on rounding are for corners in the box. Those of the one around a thin triangle lie up to
-/// half a box outside: first.d and second.d are up to A and B, and errors by a sixth larger.
+/// The bounds on rounding are for corners in the box. Those of the one around a thin triangle lie
+/// up to half a box outside: first.d and second.d are up to A and B, and errors by a sixth larger.
 constexpr double kThinScale = 0.75;
 
 void put_floats(uint32_t* out, const Planes& planes, bool is_thin) {
