@@ -194,9 +194,9 @@ TEST_F(Streaming, counts_what_its_passes_did) {
         const double intersections = cost(costs, "rays_intersect");
         const bool fragment = std::string(entry) == "fragment";
         const double queue = fragment ? 0.0 : 4.0;
-        // A fragment is a texel of textures of 1024 x 4 texels here; those beyond the last ray run
+        // A fragment is a texel of textures of 1984 x 4 texels here; those beyond the last ray run
         // as well.
-        const double slots = fragment ? 4 * 1024.0 : static_cast<double>(rays.size());
+        const double slots = fragment ? 4 * 1984.0 : static_cast<double>(rays.size());
         const double masks = fragment ? cost(costs, "passes_mask") : 0.0;
         EXPECT_EQ(cost(costs, "state_bytes_read"), traversals * (4 + 96 + 32 + 16 + queue) +
                                                        intersections * (4 + 24 + 32 + 32 + queue) +
