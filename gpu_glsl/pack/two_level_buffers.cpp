@@ -153,7 +153,16 @@ PackedTriangles pack_triangles(const Scene& scene, const std::vector<UniformGrid
         tbb::parallel_for(
             tbb::blocked_range<size_t>(0, object.triangles.size(), 1 << 12),
             [&](const auto& range) {
+                // What a triangle is read from and written to is asked for while others are packed:
+                // it is not near that of the one before.
+                constexpr size_t kAhead = 16;
                 for (size_t i = range.begin(); i != range.end(); ++i) {
+                    if (i + kAhead < object.triangles.size()) {
+                        const uvec3 ahead = object.triangles[i + kAhead];
+                        for (int v = 0; v < 3; ++v) __builtin_prefetch(&object.positions[ahead[v]]);
+                        const size_t slot = first_triangle[k] + slots[k][i + kAhead];
+                        __builtin_prefetch(&packed.planes[a_record * slot], 1);
+                    }
                     const size_t at = first_triangle[k] + slots[k][i];
                     uint32_t* const corners = &packed.corners[kCornersWords * at];
                     std::array<dvec3, 3> p;
