@@ -7,8 +7,8 @@ namespace onepass::test {
 
 /// What the test says, and the numbers it goes by.
 struct RuleOut {
-    float disagreement =
-        0.0f;  ///< by how much weights differ in sign, in doubts: ruled out above 1
+    /// By how much weights differ in sign, in doubts: ruled out above 1.
+    float disagreement = 0.0f;
     bool may_cross = false;
     bool is_known = false;
     bool is_sure = false;

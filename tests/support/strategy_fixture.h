@@ -21,8 +21,8 @@ namespace onepass::test {
 
 inline ScenePtr share(Scene scene) { return std::make_shared<const Scene>(std::move(scene)); }
 
-/// Each scene with either form of the parameter `records`: a GPU, as a twin, has floats by default and a
-/// software renderer fixed-point numbers.
+/// Each scene with either form of the parameter `records`: a GPU, as a twin, has floats by default
+/// and a software renderer fixed-point numbers.
 inline std::vector<std::pair<Scene, std::string>> in_both_records(
     const std::vector<Scene>& scenes) {
     std::vector<std::pair<Scene, std::string>> cases;

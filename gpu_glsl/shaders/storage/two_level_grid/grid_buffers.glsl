@@ -31,7 +31,7 @@
 // The object grids: fixed once they are built.
 BUFFER(grid_frames)
 UBUFFER(grid_numbers)
-CONSTANT(bool, has_several_objects)  // false: one, whose grid is number 0 and triangles are the first
+CONSTANT(bool, has_several_objects)  // false: one, with grid number 0 and the first triangles
 
 struct Grid {
     vec3 centre;         // in its frame
