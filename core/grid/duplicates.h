@@ -12,8 +12,8 @@ namespace onepass {
 /// if none has, or hardly any: of a large object a 64th is looked at first. Two such triangles are
 /// hit at the same t, and an equal t goes to the lower index, so that the other can be left out.
 ///
-/// Positions must be finite. Cost: O(triangles), parallel; 13 to 25 bytes a triangle while it works.
-/// The result does not depend on the number of threads.
+/// Positions must be finite. Cost: O(triangles), parallel; 13 to 25 bytes a triangle while it
+/// works. The result does not depend on the number of threads.
 std::vector<uint8_t> later_duplicates(const Object& object);
 
 }  // namespace onepass

@@ -57,9 +57,8 @@ template <class ProgramHit>
 void note_hit(RayWalk& walk, const ProgramHit& hit) {
     for (auto step = walk.steps.rbegin(); step != walk.steps.rend(); ++step) {
         if (step->inst_id != hit.inst_id) continue;
-        const auto test =
-            std::find_if(step->tests.rbegin(), step->tests.rend(),
-                         [&](const WalkTest& t) { return t.prim_id == hit.prim_id; });
+        const auto test = std::find_if(step->tests.rbegin(), step->tests.rend(),
+                                       [&](const WalkTest& t) { return t.prim_id == hit.prim_id; });
         if (test == step->tests.rend()) continue;
         test->accepted = true;
         test->t = hit.t;

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "cpu_ref/exact_judge.h"
 #include "cpu_ref/embree_tracer.h"
+#include "cpu_ref/exact_judge.h"
 #include "tests/support/strategy_fixture.h"
 
 namespace onepass::test {

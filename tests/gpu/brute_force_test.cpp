@@ -3,8 +3,8 @@
 
 #include "compare/hits.h"
 #include "core/error.h"
-#include "cpu_ref/exact_judge.h"
 #include "cpu_ref/embree_tracer.h"
+#include "cpu_ref/exact_judge.h"
 #include "scenes/shapes.h"
 #include "tests/support/errors.h"
 #include "tests/support/strategy_fixture.h"

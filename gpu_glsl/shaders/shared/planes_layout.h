@@ -8,8 +8,8 @@ const int kFloatPlanesTexels = 3;
 
 // Fixed-point numbers: the same planes, seen along the axis on which the triangle's normal is
 // longest (lib/triangle/fixed_planes.glsl). A word is a number in [-1, 1), 2^31 times; the low byte
-// may be something else: read with the number it is part of it, and the packer takes it into account.
-// Of d, in [-4, 4), a word is 2^29 times it, all of it.
+// may be something else: read with the number it is part of it, and the packer takes it into
+// account. Of d, in [-4, 4), a word is 2^29 times it, all of it.
 //
 //   word  number    low byte
 //   0     a         bits 24 to 31 of the ninth number
