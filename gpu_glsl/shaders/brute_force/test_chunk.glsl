@@ -1,8 +1,8 @@
 // Brute force: a ray against every triangle of every instance, a chunk of them in each pass. What a
 // structure is to be compared with; the paper says that one gains a factor over 100.
 //
-// A software renderer may end all loops of an invocation after 65,535 turns, and a GPU does not like to
-// be kept for seconds, so that the hit so far travels from pass to pass.
+// A software renderer may end all loops of an invocation after 65,535 turns, and a GPU does not
+// like to be kept for seconds, so that the hit so far travels from pass to pass.
 #pragma once
 #include "lib/math.glsl"
 #include "lib/ray.glsl"

@@ -39,8 +39,8 @@ double inverse_of_power(double power) {
     return packDouble2x32(uvec2(0u, 0x7FE00000u - unpackDouble2x32(power).y));
 }
 
-// Biased numbers: whole numbers n, up to a million, as the floats bias() + n. Their bits are n as an
-// integer, but for a constant: no conversion, for which a GPU has few units.
+// Biased numbers: whole numbers n, up to a million, as the floats bias() + n. Their bits are n as
+// an integer, but for a constant: no conversion, for which a GPU has few units.
 float bias() { return 8388608.0; }  // 2^23
 float biased(uint n) { return uintBitsToFloat(0x4B000000u + n); }
 int biased_bits(float number) { return floatBitsToInt(number); }  // kBitsOfBias + n

@@ -1,7 +1,7 @@
 // Vector arithmetic with every sum and every comparison spelled out.
 //
-// Drivers are free to order the sums of dot() and cross() as they like and to treat NaN in min() and
-// max() as they like; here both are fixed, so that shader and twin round alike.
+// Drivers are free to order the sums of dot() and cross() as they like and to treat NaN in min()
+// and max() as they like; here both are fixed, so that shader and twin round alike.
 #pragma once
 #include "lib/dialect.glsl"
 

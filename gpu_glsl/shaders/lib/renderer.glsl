@@ -18,9 +18,9 @@ uint anew(uint n, uint id) { return n + (id >> 31u); }
 
 // ---- Tables ------------------------------------------------------------------------------------
 
-// Buffers of a `uint` (words) or a `uvec4` (records) to a texel, which a walk reads at every step. A
-// software renderer calls a function for each texel of a buffer texture; those of an image it loads
-// in place. That is faster for words, and for whole texels with Mesa 22.3, not with 25.
+// Buffers of a `uint` (words) or a `uvec4` (records) to a texel, which a walk reads at every step.
+// A software renderer calls a function for each texel of a buffer texture; those of an image it
+// loads in place. That is faster for words, and for whole texels with Mesa 22.3, not with 25.
 #ifndef ONEPASS_TWIN
 #if NEEDS(is_software)
 #define WORD_TABLE(name) layout(r32ui) readonly uniform uimageBuffer name;

@@ -72,7 +72,9 @@ vec3 phong(SurfacePoint point, Light light) {
     if (cosine <= 0.0) return vec3(0.0);
     vec3 color = point.material.diffuse * cosine;
     float highlight = dot3(n * (2.0 * cosine) - to_light, point.to_eye);
-    if (highlight > 0.0) color += point.material.specular * pow(highlight, point.material.shininess);
+    if (highlight > 0.0) {
+        color += point.material.specular * pow(highlight, point.material.shininess);
+    }
     return color * light.intensity;
 }
 

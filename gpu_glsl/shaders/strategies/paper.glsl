@@ -23,13 +23,14 @@
 
 // The paper's ray casting procedure.
 //
-// The scene is divided twice: a uniform grid over the instances' boxes, and for each object a uniform
-// grid over its triangles. A ray walks the first; in each cell it meets instances; for each of those
-// it is taken to object space and walks the second; in each cell it meets triangles.
+// The scene is divided twice: a uniform grid over the instances' boxes, and for each object a
+// uniform grid over its triangles. A ray walks the first; in each cell it meets instances; for each
+// of those it is taken to object space and walks the second; in each cell it meets triangles.
 //
-// Numbers D1 to D19 refer to the deviation table of gpu_glsl/README.md: where the printed text cannot
-// run, what stands here instead, and which of its behaviours are kept behind a switch. The chapters:
-// walking a grid, the triangle test, the object level, and below the top level, where it begins.
+// Numbers D1 to D19 refer to the deviation table of gpu_glsl/README.md: where the printed text
+// cannot run, what stands here instead, and which of its behaviours are kept behind a switch. The
+// chapters: walking a grid, the triangle test, the object level, and below the top level, where it
+// begins.
 #pragma once
 #include "lib/paper/walk.glsl"
 #include "lib/paper/triangle.glsl"

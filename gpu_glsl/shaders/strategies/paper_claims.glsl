@@ -29,8 +29,8 @@
 //
 // Each claim is a typed constant and a plain `if`: the compiler keeps one side. With the defaults
 // this is strategies/paper.glsl, hit for hit and bit for bit; a test holds that. With `vectors` set
-// to 4d or 3d sums are the driver's dot(), in its own order. The storages are claims as well: what a
-// cell's list holds, and how an address becomes a texel.
+// to 4d or 3d sums are the driver's dot(), in its own order. The storages are claims as well: what
+// a cell's list holds, and how an address becomes a texel.
 #pragma once
 #include "lib/paper/walk.glsl"
 #include "lib/paper/edges.glsl"

@@ -1,8 +1,8 @@
 // Walking a grid without drift: whole cells, every exit plane computed from its number, and empty
 // space crossed at once.
 //
-// An empty cell says how large a cube of empty cells lies ahead, in each octant of directions; so the
-// ray goes on to where it leaves that cube. A full cell is its own cube.
+// An empty cell says how large a cube of empty cells lies ahead, in each octant of directions; so
+// the ray goes on to where it leaves that cube. A full cell is its own cube.
 //
 // Why no cell is lost. A grid is built with each triangle in all cells within kBinningPad of a cell
 // (core/grid/uniform_grid.h). The walk starts where the ray enters the grid, so that at any
@@ -13,9 +13,9 @@
 #pragma once
 #include "lib/course.glsl"
 
-// The walk through the cells. On each axis they are counted by how many are left, this one included, to
-// where the ray leaves the grid: the ray leaves the cell with `left` to go at t_leave - (left - 1)
-// t_edge, from the start of the course on.
+// The walk through the cells. On each axis they are counted by how many are left, this one
+// included, to where the ray leaves the grid: the ray leaves the cell with `left` to go at
+// t_leave - (left - 1) t_edge, from the start of the course on.
 struct Walk {
     vec3 left;         // at least 1; biased (lib/bits.glsl)
     vec3 t_leave;
@@ -79,8 +79,8 @@ uint octant_shift(Walk walk) {
            (walk.stride.z < 0 ? 12u : 0u);
 }
 
-// The cells left on an axis at t, where the ray leaves a box: those behind the box if it leaves it on
-// this axis, else no more than before: two axes could undo each other's steps by their rounding.
+// The cells left on an axis at t, where the ray leaves a box: those behind the box if it leaves it
+// on this axis, else no more than before: two axes could undo each other's steps by their rounding.
 float left_beside(float t, float t_exit, float behind, float left, float t_leave,
                   float cells_per_t) {
     return mix(min(left, left_at(t, t_leave, cells_per_t)), behind + bias(), t_exit <= t);
@@ -90,8 +90,8 @@ float left_beside(float t, float t_exit, float behind, float left, float t_leave
 // walk's cell.
 vec3 left_behind_cube(Walk walk, float edge) { return walk.left - vec3(edge); }
 
-// Leaves a box of cells, behind which so many are left, and says at which t. (One no smaller than that
-// where the ray leaves the grid is the end: there is no cell.)
+// Leaves a box of cells, behind which so many are left, and says at which t. (One no smaller than
+// that where the ray leaves the grid is the end: there is no cell.)
 float leave_cells(INOUT(Walk) walk, vec3 behind) {
     vec3 t_exit = walk.t_leave - behind * walk.t_edge;
     float t = min(t_exit.x, min(t_exit.y, t_exit.z));

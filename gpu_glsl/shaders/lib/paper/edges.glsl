@@ -1,5 +1,5 @@
-// What counts as inside a triangle's edges, and from where its planes are measured: the printed test
-// in rounded arithmetic, and what it costs to mend it (D11, D18, D19 of gpu_glsl/README.md).
+// What counts as inside a triangle's edges, and from where its planes are measured: the printed
+// test in rounded arithmetic, and what it costs to mend it (D11, D18, D19 of gpu_glsl/README.md).
 #pragma once
 #include "lib/math.glsl"
 
@@ -14,9 +14,9 @@ vec3 plane_origin(ADDRESS triangle, vec3 org) {
 }
 
 // D19: how far rounding may move a side's coordinate at org + dir t: 2^-24, half an ulp, of all the
-// terms that went into it. As printed there is no such slack: a ray along a shared edge can round to
-// the outside of both triangles. A slack of 3 closes every crack that was found, 1 nearly all; from 2
-// on, some hits lie farther beside the triangle than a float ray can tell.
+// terms that went into it. As printed there is no such slack: a ray along a shared edge can round
+// to the outside of both triangles. A slack of 3 closes every crack that was found, 1 nearly all;
+// from 2 on, some hits lie farther beside the triangle than a float ray can tell.
 float side_rounding(vec4 side, vec3 org, vec3 dir, float t) {
     vec3 reach = abs(org) + abs(dir * t);
     return 5.9604645e-8 * (plane_along(abs(side), reach) + abs(side.w));

@@ -1,7 +1,8 @@
-// Walking a grid (Adinetz & Berezin, figure 2): from cell to cell by the distances of the exit planes.
+// Walking a grid (Adinetz & Berezin, figure 2): from cell to cell by the distances of the exit
+// planes.
 //
-// Both levels walk with this, in any storage: the storage comes first in the text. Numbers D1 to D19
-// refer to the deviation table of gpu_glsl/README.md.
+// Both levels walk with this, in any storage: the storage comes first in the text. Numbers D1 to
+// D19 refer to the deviation table of gpu_glsl/README.md.
 #pragma once
 #include "lib/math.glsl"
 #include "lib/ray.glsl"
@@ -36,8 +37,8 @@ vec3 exit_ts(Walk walk) {
     return (planes - walk.org) / walk.dir;
 }
 
-// D13: whether the walk is in a cell of its grid. It is not once t has drifted past the grid's border
-// before the ray's exit, or when the ray's numbers are not finite.
+// D13: whether the walk is in a cell of its grid. It is not once t has drifted past the grid's
+// border before the ray's exit, or when the ray's numbers are not finite.
 bool in_grid(Walk walk, Grid grid) {
     vec3 centre = walk.voxel + 0.5 * cell_size();
     return centre.x > grid.lower.x && centre.y > grid.lower.y && centre.z > grid.lower.z &&
@@ -80,7 +81,8 @@ bool missed(Walk walk, Grid grid) {
 // D3: asked before stepping, or the last cell is lost.
 bool finished(Walk walk) { return !(walk.t_end < walk.t_exit); }
 
-// nextVoxel(): crosses the nearest plane, or all planes at the same t. False if there is no next cell.
+// nextVoxel(): crosses the nearest plane, or all planes at the same t. False if there is no next
+// cell.
 bool next_voxel(Grid grid, INOUT(Walk) walk) {
     if (finished(walk)) return false;
     bool x = walk.next_ts.x <= walk.t_end;

@@ -16,7 +16,7 @@ struct Candidates {
     uint found;    // the triangle that is hit first, but for those open; or kNoId
     uint open;     // one of which floats cannot tell whether it is hit before that one; or kNoId
     uint other;    // another one
-    float behind;  // what is hit surely beyond this t is behind `found`; negative: the ray is answered
+    float behind;  // what is hit surely beyond this t is behind `found`; negative: ray answered
     bool is_full;  // a third one is open, and has no room ...
     uint full_at;  // ... at this place of the walk
 };

@@ -1,10 +1,11 @@
 // One triangle's hit in doubles: what decides where rounding leaves open whether, or in which
 // order, surfaces are hit.
 //
-// The test of Woop, Benthin & Wald (2013), seen along the ray. A corner's place across the ray depends on the ray
-// and the corner alone, so all triangles that share it see it at the same place: the mesh is seen
-// moved by some 2^-52, but whole. What these digits cannot tell from an edge counts as on the edge,
-// for both triangles that have it: no ray slips between them, at corners neither.
+// The test of Woop, Benthin & Wald (2013), seen along the ray. A corner's place across the ray
+// depends on the ray and the corner alone, so all triangles that share it see it at the same place:
+// the mesh is seen moved by some 2^-52, but whole. What these digits cannot tell from an edge
+// counts as on the edge, for both triangles that have it: no ray slips between them, at corners
+// neither.
 #pragma once
 #include "lib/local_ray.glsl"
 
@@ -48,9 +49,9 @@ SharpCorner sharp_corner(dvec3 org, double slope_x, double slope_y, int axis, ve
 }
 
 // Twice the area that the ray's point makes with an edge; 0 where it is no larger than it can be
-// wrong. x and y are wrong by 6 u of what they are made of (u = 2^-53; two differences, an inverse and
-// a quotient, a product), so two products are by that of each factor times the other, and by their own
-// roundings: 14 u, and 16 u covers it.
+// wrong. x and y are wrong by 6 u of what they are made of (u = 2^-53; two differences, an inverse
+// and a quotient, a product), so two products are by that of each factor times the other, and by
+// their own roundings: 14 u, and 16 u covers it.
 double sharp_edge(SharpCorner from, SharpCorner to) {
     const double kDoubt = double(1.7763568394002505e-15);  // 2^-49: 16 u
     double w = to.at.x * from.at.y - to.at.y * from.at.x;
@@ -59,9 +60,9 @@ double sharp_edge(SharpCorner from, SharpCorner to) {
     return abs(w) <= kDoubt * made_of ? double(0.0) : w;
 }
 
-// Whether a coordinate of three corners is 0 somewhere between them, within the 8 u that each can be
-// wrong. Nearly edge-on, two edges may count as on the ray that only their common corner is near:
-// this keeps such a triangle to its own extent.
+// Whether a coordinate of three corners is 0 somewhere between them, within the 8 u that each can
+// be wrong. Nearly edge-on, two edges may count as on the ray that only their common corner is
+// near: this keeps such a triangle to its own extent.
 bool may_span(double a, double a_of, double b, double b_of, double c, double c_of) {
     const double kError = double(8.8817841970012523e-16);  // 2^-50: 8 u
     bool is_below = a <= kError * a_of || b <= kError * b_of || c <= kError * c_of;
@@ -86,7 +87,9 @@ SharpHit sharp_hit(LocalRay ray, Triangle triangle) {
     bool is_beside = !may_span(a.at.x, a.x_of, b.at.x, b.x_of, c.at.x, c.x_of) ||
                      !may_span(a.at.y, a.y_of, b.at.y, b.y_of, c.at.y, c.y_of);
     double area = w0 + w1 + w2;
-    if (is_outside || is_beside || area == 0.0) return SharpHit(false, double(infinity()), 0.0, 0.0);
+    if (is_outside || is_beside || area == 0.0) {
+        return SharpHit(false, double(infinity()), 0.0, 0.0);
+    }
 
     double z = w0 * a.at.z + w1 * b.at.z + w2 * c.at.z;
     // One quotient, so that triangles that share a corner mostly say the same t there.

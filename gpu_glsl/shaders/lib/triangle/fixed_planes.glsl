@@ -1,20 +1,21 @@
-// The triangle test on records of fixed-point numbers: 32 bytes (shared/planes_layout.h). After Wald
-// (2004) and Baldwin & Weber (2016): along the axis k on which its normal is longest, the triangle's
-// plane is p.k + a p.i + b p.j = d, with |a| and |b| at most 1, and on that plane a corner's weight is
-// a sum of p.i, p.j and 1 alone. Nine numbers say what twelve do otherwise.
+// The triangle test on records of fixed-point numbers: 32 bytes (shared/planes_layout.h). After
+// Wald (2004) and Baldwin & Weber (2016): along the axis k on which its normal is longest, the
+// triangle's plane is p.k + a p.i + b p.j = d, with |a| and |b| at most 1, and on that plane a
+// corner's weight is a sum of p.i, p.j and 1 alone. Nine numbers say what twelve do otherwise.
 //
 // All is in units of words: det and dist 2^31, weights 2^62.
 //
 // The bounds, with u = 2^-24, c the record's scale, and A and B the sums |first.i| + |first.j| and
-// |second.i| + |second.j|: scaled, A + B + c is at most 1. For coordinates of at most 1/2, |first.d| and
-// |second.d| are at most A / 2 and B / 2. A number of the record is off by u for its low byte and by
-// half an ulp as a float, 2 u at most; d by half an ulp and 2^-30. From this, the rounding of the ray,
-// and that of each operation, products and sums apart: det is off by 9.5 u and dist by 9.4 u; for a
-// point in the triangle, the point times det by 20.4 u; a weight times c det by (32.7 A + 6 + 3 c) u;
-// and the third, c det without the other two, by (32.7 (A + B) + 24.5 c + 12) u, less than 45 u. Where
-// coordinates are beyond 1/2 an ulp is twice as large at once: 47.5 u there, times twice the largest.
-// Sums in another order, as a compiler may have them, take 1.5 u more. So the doubt is 50 u. t is off
-// by less than 27 u (1 + |t|) / |det|, if |det| is more than 108 u.
+// |second.i| + |second.j|: scaled, A + B + c is at most 1. For coordinates of at most 1/2,
+// |first.d| and |second.d| are at most A / 2 and B / 2. A number of the record is off by u for its
+// low byte and by half an ulp as a float, 2 u at most; d by half an ulp and 2^-30. From this, the
+// rounding of the ray, and that of each operation, products and sums apart: det is off by 9.5 u and
+// dist by 9.4 u; for a point in the triangle, the point times det by 20.4 u; a weight times c det
+// by (32.7 A + 6 + 3 c) u; and the third, c det without the other two, by
+// (32.7 (A + B) + 24.5 c + 12) u, less than 45 u. Where coordinates are beyond 1/2 an ulp is twice
+// as large at once: 47.5 u there, times twice the largest. Sums in another order, as a compiler may
+// have them, take 1.5 u more. So the doubt is 50 u. t is off by less than 27 u (1 + |t|) / |det|,
+// if |det| is more than 108 u.
 #pragma once
 #include "lib/triangle/planes.glsl"
 

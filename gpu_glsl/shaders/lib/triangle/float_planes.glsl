@@ -1,11 +1,11 @@
 // The triangle test on records of floats: 48 bytes, no number of which has to be unpacked.
 //
-// The bounds, with u = 2^-24 (the record is of floats, whatever the arithmetic), A and B the sums of
-// the absolute components of `first` and `second`, and c = 1 / (A + B + 1) that of `face`. From the
-// rounding of record and ray, and of each operation, products and sums apart: det is off by 5 u c and
-// dist by 5 u c; for a point in the triangle, the point times det by 11 u c, and a weight times det
-// by (18.5 A + 10) u c; the third, det without the other two, by less than 22 u, whatever A and B.
-// t is off by less than 12 u c (1 + |t|) / |det|, if |det| is more than 48 u c.
+// The bounds, with u = 2^-24 (the record is of floats, whatever the arithmetic), A and B the sums
+// of the absolute components of `first` and `second`, and c = 1 / (A + B + 1) that of `face`. From
+// the rounding of record and ray, and of each operation, products and sums apart: det is off by
+// 5 u c and dist by 5 u c; for a point in the triangle, the point times det by 11 u c, and a weight
+// times det by (18.5 A + 10) u c; the third, det without the other two, by less than 22 u, whatever
+// A and B. t is off by less than 12 u c (1 + |t|) / |det|, if |det| is more than 48 u c.
 #pragma once
 #include "lib/triangle/planes.glsl"
 

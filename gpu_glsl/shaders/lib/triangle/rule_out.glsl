@@ -7,14 +7,15 @@
 // hit only if they agree by more than that. Between the two, lib/triangle/decide.glsl decides in
 // doubles.
 //
-// The planes are stored in one of two forms: lib/triangle/float_planes.glsl takes less arithmetic, and
-// GPUs do better with it; lib/triangle/fixed_planes.glsl takes a texel less.
+// The planes are stored in one of two forms: lib/triangle/float_planes.glsl takes less arithmetic,
+// and GPUs do better with it; lib/triangle/fixed_planes.glsl takes a texel less.
 #pragma once
 #include "lib/triangle/fixed_planes.glsl"
 #include "lib/triangle/float_planes.glsl"
 
-// A ray made ready for testing triangles. Its origin is counted from the centre of a box around them,
-// its direction's largest component is 1/2 to 1, and its t is a length there, from its own origin on.
+// A ray made ready for testing triangles. Its origin is counted from the centre of a box around
+// them, its direction's largest component is 1/2 to 1, and its t is a length there, from its own
+// origin on.
 struct Sight {
     vec3 org;
     vec3 dir;
@@ -43,11 +44,11 @@ Weights weights_of(Planes planes, Sight sight) {
 }
 
 // False if the ray misses the triangle.
-// (A point of which the computed weights are all beyond the doubt is in the triangle or next to it, so
-// that the bounds, which are for points in it, hold as well.)
+// (A point of which the computed weights are all beyond the doubt is in the triangle or next to it,
+// so that the bounds, which are for points in it, hold as well.)
 //
-// (Comparisons and no min() or max(): each of those costs a software renderer three instructions, for
-// the sake of NaN.)
+// (Comparisons and no min() or max(): each of those costs a software renderer three instructions,
+// for the sake of NaN.)
 bool may_cross(Weights weights, Sight sight) {
     float doubt = sight.doubt;
     bool has_negative = weights.u < -doubt || weights.v < -doubt || weights.w < -doubt;
@@ -55,8 +56,9 @@ bool may_cross(Weights weights, Sight sight) {
     return !(has_negative && has_positive);
 }
 
-// Of a ray that may: where. Few do, and so the division waits until it is known. (Where t is not known,
-// it and its error may be no numbers, of which drivers keep no rules: nothing rests on them.)
+// Of a ray that may: where. Few do, and so the division waits until it is known. (Where t is not
+// known, it and its error may be no numbers, of which drivers keep no rules: nothing rests on
+// them.)
 Crossing crossing_of(Planes planes, Weights weights, Sight sight) {
     float doubt = sight.doubt;
     float error_of_det = has_fixed_planes ? error_of_det_by_fixed(planes, doubt)

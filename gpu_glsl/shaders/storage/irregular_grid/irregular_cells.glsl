@@ -37,8 +37,8 @@ CELL fetch_cell(Grid grid, Walk walk) {
 bool is_empty_cell(CELL cell) { return is_empty_cell(cell.w); }
 int first_reference(CELL cell) { return first_reference(cell.w); }
 
-// How many places are left behind a cell's box: for a ray that goes up all beyond its last, for one that
-// goes down all before its first.
+// How many places are left behind a cell's box: for a ray that goes up all beyond its last, for one
+// that goes down all before its first.
 float left_behind(uint ends, int stride) {
     return float(stride < 0 ? ends >> kBeyondShift : ends & kPlacesMask);
 }

@@ -1,5 +1,5 @@
-// Triangles and instances alone: all that a tracer without a structure reads. An address is a number,
-// which powers of two turn into the place of a texel.
+// Triangles and instances alone: all that a tracer without a structure reads. An address is a
+// number, which powers of two turn into the place of a texel.
 #pragma once
 #define ADDRESS int
 #include "lib/dialect.glsl"

@@ -18,8 +18,8 @@
 #include "lib/ray.glsl"
 #include "shared/two_level_layout.h"
 
-// A grid is encoded by the map from its own frame to grid coordinates, r_g = a r + b, and by the box
-// of these coordinates that it fills.
+// A grid is encoded by the map from its own frame to grid coordinates, r_g = a r + b, and by the
+// box of these coordinates that it fills.
 struct Grid {
     vec3 a;
     vec3 b;

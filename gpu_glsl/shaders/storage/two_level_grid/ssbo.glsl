@@ -1,5 +1,5 @@
-// The two-level grid in shader storage buffers (storage/two_level_grid/grid_buffers.glsl). What is read
-// once a ray or an instance stays in buffer textures.
+// The two-level grid in shader storage buffers (storage/two_level_grid/grid_buffers.glsl). What is
+// read once a ray or an instance stays in buffer textures.
 #pragma once
 #include "lib/dialect.glsl"
 #include "storage/two_level_grid/triangle_blocks.glsl"

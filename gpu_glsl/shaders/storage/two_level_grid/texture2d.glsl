@@ -1,8 +1,8 @@
 // The paper's storage: each triangle is stored once, and lists hold references to them (section 4).
 //
-// A reference is the place of a triangle's (or, from the top-level grid, an instance's) first texel.
-// References may be stored as 16-bit floats; then no texture is larger than 1024 texels a side,
-// because (k + 0.5) / W is exact in a half only up to there.
+// A reference is the place of a triangle's (or, from the top-level grid, an instance's) first
+// texel. References may be stored as 16-bit floats; then no texture is larger than 1024 texels a
+// side, because (k + 0.5) / W is exact in a half only up to there.
 #pragma once
 #include "storage/two_level_grid/tables2d.glsl"
 

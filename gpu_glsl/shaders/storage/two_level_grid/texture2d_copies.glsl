@@ -16,4 +16,6 @@ vec2 next_triangle_reference(vec2 address) {
 }
 
 // A copy's place says nothing of its number, so that the record carries it.
-uint fetch_prim_id(vec2 triangle, int first_triangle) { return uint(int(fetch_plane(triangle, 3).w)); }
+uint fetch_prim_id(vec2 triangle, int first_triangle) {
+    return uint(int(fetch_plane(triangle, 3).w));
+}

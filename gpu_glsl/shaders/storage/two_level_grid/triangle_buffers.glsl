@@ -1,5 +1,5 @@
-// Lists and triangles of objects in buffer textures, as storage/two_level_grid/grid_buffers.glsl asks for
-// them.
+// Lists and triangles of objects in buffer textures, as storage/two_level_grid/grid_buffers.glsl
+// asks for them.
 #pragma once
 #include "lib/renderer.glsl"
 
