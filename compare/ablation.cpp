@@ -20,6 +20,8 @@ const std::vector<double>& samples_of(const AblationRecord& record) {
 }  // namespace
 
 const std::vector<AblationStep>& ablation_steps(const std::string& strategy) {
+    static const AblationStep kPersistent = {
+        "persistent threads: rays are taken from a queue", {}, {{"persistent", "off"}}};
     static const AblationStep kAnyHit = {
         "any hit: shadow rays end at their first", {}, {{"any_hit", "0"}}};
     static const AblationStep kSpecialise = {
@@ -38,11 +40,13 @@ const std::vector<AblationStep>& ablation_steps(const std::string& strategy) {
           {"records of fixed-point numbers, else the default: 32 bytes",
            {},
            {{"records", "floats"}}},
+          kPersistent,
           kAnyHit,
           kSpecialise,
           {"doubles: they decide where floats cannot tell", {}, {{"decide", "floats"}}},
           {"buffer textures: cells, lists and triangles", "ssbo", {}}}},
-        {"bvh", {kAnyHit, kSpecialise, {"buffer textures: nodes and triangles", "ssbo", {}}}},
+        {"bvh",
+         {kPersistent, kAnyHit, kSpecialise, {"buffer textures: nodes and triangles", "ssbo", {}}}},
     };
     const auto found = kSteps.find(strategy);
     if (found != kSteps.end()) return found->second;

@@ -39,7 +39,8 @@ Device device_of(const gl::GlContext& context) {
                        .max_buffer = static_cast<uint64_t>(limits.max_texture_buffer_size),
                        .max_block = static_cast<uint64_t>(limits.max_ssbo_bytes)},
             .is_software = context.description().software,
-            .jumps = context.description().jumps};
+            .jumps = context.description().jumps,
+            .has_ballots = context.description().has_ballots};
 }
 
 /// The units of a strategy in one storage. Throws: Error if the front matter and the build differ.
@@ -152,15 +153,17 @@ gl::ComposedShader compose_tracer_shader(const gl::ShaderLibrary& library, const
                 if (tracer_name(info, storage, entry_name) != name) continue;
                 const GpuEntry entry =
                     entry_name == "compute" ? GpuEntry::compute : GpuEntry::fragment;
-                const PreparedStrategy prepared =
-                    prepare_strategy(info, storage, scene, params, {});
+                const PreparedStrategy prepared = prepare_strategy(
+                    info, storage, scene, params, {.limits = {}, .has_ballots = true});
                 SceneNeeds needs;
                 if (settings != nullptr) needs = scene_needs(*scene, *settings);
                 constexpr int kNewestGl = 450;
+                const std::string file = settings != nullptr
+                                             ? render_file(entry)
+                                             : cast_file(entry, cast_form(prepared, entry));
                 return library.compose({.glsl_version = glsl_version_for(info, entry, kNewestGl),
                                         .stage = entry_name,
-                                        .files = prepared.files_with(entry_file(
-                                            entry, settings == nullptr, prepared.casts_pairs())),
+                                        .files = prepared.files_with(file),
                                         .constants = prepared.constants(
                                             false, settings != nullptr ? &needs : nullptr)});
             }

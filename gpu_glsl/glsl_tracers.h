@@ -21,8 +21,8 @@ using GlContextProvider = std::function<gl::GlContext&()>;
 std::vector<CatalogueEntry> glsl_tracers(const gl::ShaderLibrary& library,
                                          GlContextProvider context);
 
-/// The text the driver of a GPU gets for a tracer's `cast` (settings == nullptr) or `render`; on a
-/// software renderer parameters that are `auto` may stand for another one.
+/// The text the driver of a GPU with ballots gets for a tracer's `cast` (settings == nullptr) or
+/// `render`; elsewhere parameters that are `auto` may stand for another one.
 /// Throws: Error if `name` is not a GPU tracer of the library, or for bad parameters.
 gl::ComposedShader compose_tracer_shader(const gl::ShaderLibrary& library, const std::string& name,
                                          ScenePtr scene, const ParamValues& params,

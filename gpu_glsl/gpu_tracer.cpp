@@ -20,6 +20,9 @@ namespace {
 /// Rays a chunk holds at most: 4 Mi rays take 128 MiB, and results of the same order.
 constexpr size_t kMaxChunkRays = size_t{1} << 22;
 
+/// The counts of entry/cast_compute_persistent.glsl.
+constexpr size_t kQueueBytes = 2 * sizeof(uint32_t);
+
 class GpuTracer final : public Tracer {
   public:
     GpuTracer(std::string name, PreparedStrategy prepared, GpuEntry entry,
@@ -131,10 +134,10 @@ class GpuTracer final : public Tracer {
         return std::min(kMaxChunkRays, most);
     }
 
-    /// Two where a CPU gains by it (shaders/lib/grid/pairs.glsl). Work is counted for one at a
-    /// time.
-    size_t rays_a_fragment(const CastOptions& options) const {
-        return entry_ == GpuEntry::fragment && prepared_.casts_pairs() && !options.counters ? 2 : 1;
+    /// Fragments count the work of one ray at a time.
+    CastForm form(const CastOptions& options) const {
+        const CastForm form = cast_form(prepared_, entry_);
+        return form == CastForm::pairs && options.counters ? CastForm::single : form;
     }
 
     /// The device has them now.
@@ -212,7 +215,7 @@ class GpuTracer final : public Tracer {
         const bool any = options.query == Query::any && prepared_.answers_any();
         std::optional<gl::Program>& program = cast_programs_[any ? 1 : 0][options.counters ? 1 : 0];
         if (!program) {
-            program = make_program(entry_file(entry_, true, rays_a_fragment(options) == 2),
+            program = make_program(cast_file(entry_, form(options)),
                                    prepared_.constants(options.counters, nullptr, options.query),
                                    any || options.counters ? nullptr : &cast_hash_);
         }
@@ -228,7 +231,7 @@ class GpuTracer final : public Tracer {
         if (found == render_programs_.end()) {
             render_programs_.push_back(
                 {needs, settings.aovs,
-                 make_program(entry_file(entry_, false), prepared_.constants(settings.aovs, &needs),
+                 make_program(render_file(entry_), prepared_.constants(settings.aovs, &needs),
                               nullptr)});
             found = std::prev(render_programs_.end());
         }
@@ -245,7 +248,7 @@ class GpuTracer final : public Tracer {
     void cast_fragments(const ChunkOnDevice& chunk, const CastOptions& options,
                         CastResult& result) {
         using enum gl::TexelFormat;
-        const size_t each = rays_a_fragment(options);
+        const size_t each = form(options) == CastForm::pairs ? 2 : 1;
         std::vector<gl::TexelFormat> targets = {rgba32f, rgba32ui};
         if (options.counters) targets.push_back(rgba32ui);
         if (each == 2) targets.assign(3, rgba32ui);
@@ -270,6 +273,10 @@ class GpuTracer final : public Tracer {
         program.set_buffer("RayBuffer", *chunk.buffer);
         answers.give_to(program);
         program.set_uniform("ray_count", static_cast<int32_t>(chunk.count));
+        if (form(options) == CastForm::persistent) {
+            if (!queue_) queue_.emplace("queue", kQueueBytes);
+            program.set_buffer("QueueBuffer", *queue_);
+        }
 
         // Groups in two dimensions: one dimension holds at least 65,535.
         constexpr size_t kMaxGroupsX = 65535;
@@ -330,6 +337,7 @@ class GpuTracer final : public Tracer {
     gl::GlContext& context_;
     int glsl_version_;
     std::vector<gl::Texture> textures_;
+    std::optional<gl::Buffer> queue_;  ///< of persistent casts
     /// For the nearest and for any hit, each without and with counters.
     std::optional<gl::Program> cast_programs_[2][2];
     std::vector<RenderVariant> render_programs_;
@@ -338,10 +346,24 @@ class GpuTracer final : public Tracer {
 
 }  // namespace
 
-std::string entry_file(GpuEntry entry, bool cast, bool pairs) {
-    if (entry == GpuEntry::fragment && cast && pairs) return "entry/cast_fragment_pairs.glsl";
-    return fmt::format("entry/{}{}.glsl", cast ? "cast_" : "",
-                       entry == GpuEntry::fragment ? "fragment" : "compute");
+CastForm cast_form(const PreparedStrategy& prepared, GpuEntry entry) {
+    return entry == GpuEntry::fragment ? prepared.fragment_form() : prepared.compute_form();
+}
+
+std::string cast_file(GpuEntry entry, CastForm form) {
+    switch (form) {
+        case CastForm::pairs:
+            return "entry/cast_fragment_pairs.glsl";
+        case CastForm::persistent:
+            return "entry/cast_compute_persistent.glsl";
+        case CastForm::single:
+            break;
+    }
+    return entry == GpuEntry::fragment ? "entry/cast_fragment.glsl" : "entry/cast_compute.glsl";
+}
+
+std::string render_file(GpuEntry entry) {
+    return entry == GpuEntry::fragment ? "entry/fragment.glsl" : "entry/compute.glsl";
 }
 
 int glsl_version_for(const gl::StrategyInfo& info, GpuEntry entry, int context_gl) {

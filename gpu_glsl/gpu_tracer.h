@@ -19,9 +19,12 @@ enum class GpuEntry { fragment, compute };
 std::unique_ptr<Tracer> make_gpu_tracer(std::string name, PreparedStrategy prepared, GpuEntry entry,
                                         const gl::ShaderLibrary& library, gl::GlContext& context);
 
-/// The shader file of an entry: entry/[cast_](fragment|compute).glsl, or that of fragments that
-/// cast two rays each.
-std::string entry_file(GpuEntry entry, bool cast, bool pairs = false);
+/// How that stage casts given rays.
+CastForm cast_form(const PreparedStrategy& prepared, GpuEntry entry);
+
+/// The shader files of an entry: for given rays, and for frames.
+std::string cast_file(GpuEntry entry, CastForm form);
+std::string render_file(GpuEntry entry);
 
 /// The GLSL version a tracer's shaders are written in: what strategy and entry need, or 450 where
 /// the context has it, for the sake of `precise`.

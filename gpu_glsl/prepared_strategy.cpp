@@ -129,31 +129,37 @@ double positive(const Params& params, const std::string& name) {
 
 bool has(const Params& params, const std::string& name) { return params.values().contains(name); }
 
+/// Of a parameter that may be on, off or auto; off where the strategy has none.
+bool is_chosen(const Params& params, const std::string& name, bool automatic) {
+    if (!has(params, name)) return false;
+    const std::string& choice = params.text(name);
+    return choice == "on" || (choice == "auto" && automatic);
+}
+
 /// Whether the shader may leave out what the scene lacks.
 bool specialises(const Params& params) {
     return !has(params, "specialise") || params.integer("specialise") == 1;
 }
 
-/// A constant of the shader that holds the top level or does not.
-gl::ShaderConstant has_top_level(const PreparedStrategy& prepared) {
-    return {"has_top_level", prepared.scene->instances.size() > 1 || !specialises(prepared.params)};
+/// Whether the shader holds the top level.
+bool has_top_level(const PreparedStrategy& prepared) {
+    return prepared.scene->instances.size() > 1 || !specialises(prepared.params);
 }
 
-/// A constant of the shader that turns and scales rays for instances, or only shifts them.
-gl::ShaderConstant has_linear_maps(const PreparedStrategy& prepared) {
+/// Whether the shader turns and scales rays for instances, or only shifts them.
+bool has_linear_maps(const PreparedStrategy& prepared) {
     const Scene& scene = *prepared.scene;
     const bool is_fixed = scene.animation.empty();
     const bool all_are_shifted = std::ranges::all_of(scene.instances, [](const Instance& instance) {
         const Affine& map = instance.world_from_object;
         return map[0] == vec3(1, 0, 0) && map[1] == vec3(0, 1, 0) && map[2] == vec3(0, 0, 1);
     });
-    return {"has_linear_maps", !(is_fixed && all_are_shifted && specialises(prepared.params))};
+    return !(is_fixed && all_are_shifted && specialises(prepared.params));
 }
 
-/// A constant of the shader that looks up which object an instance is of, or knows.
-gl::ShaderConstant has_several_objects(const PreparedStrategy& prepared) {
-    return {"has_several_objects",
-            prepared.scene->objects.size() > 1 || !specialises(prepared.params)};
+/// Whether the shader looks up which object an instance is of, or knows.
+bool has_several_objects(const PreparedStrategy& prepared) {
+    return prepared.scene->objects.size() > 1 || !specialises(prepared.params);
 }
 
 /// What a frame needs, for one shader that serves scenes of every kind: it holds all that any of
@@ -280,9 +286,9 @@ void pack_grid_as(PreparedStrategy& prepared, const TextureLimits& limits, Buffe
         prepared.moving.emplace<MovingTopBuffers>(prepared.scene, sizing.top, packed, limits);
     }
     add_packed(prepared, packed);
-    prepared.param_constants.push_back(has_top_level(prepared));
-    prepared.param_constants.push_back(has_linear_maps(prepared));
-    prepared.param_constants.push_back(has_several_objects(prepared));
+    prepared.param_constants.push_back({"has_top_level", has_top_level(prepared)});
+    prepared.param_constants.push_back({"has_linear_maps", has_linear_maps(prepared)});
+    prepared.param_constants.push_back({"has_several_objects", has_several_objects(prepared)});
 }
 
 void pack_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
@@ -359,9 +365,9 @@ void pack_irregular_grid(PreparedStrategy& prepared, const TextureLimits& limits
         prepared.moving.emplace<MovingTopBuffers>(prepared.scene, top, packed, limits);
     }
     add_packed(prepared, packed);
-    prepared.param_constants.push_back(has_top_level(prepared));
-    prepared.param_constants.push_back(has_linear_maps(prepared));
-    prepared.param_constants.push_back(has_several_objects(prepared));
+    prepared.param_constants.push_back({"has_top_level", has_top_level(prepared)});
+    prepared.param_constants.push_back({"has_linear_maps", has_linear_maps(prepared)});
+    prepared.param_constants.push_back({"has_several_objects", has_several_objects(prepared)});
 }
 
 void pack_irregular_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
@@ -402,8 +408,8 @@ void pack_flat_grid(PreparedStrategy& prepared, const TextureLimits& limits, Buf
     prepared.stats = {{"build_ms", build_ms, "all threads"}, {"pack_ms", ms_since(start), ""}};
     add_packed(prepared, packed);
     prepared.param_constants.push_back({"has_top_level", false});
-    prepared.param_constants.push_back(has_linear_maps(prepared));
-    prepared.param_constants.push_back(has_several_objects(prepared));
+    prepared.param_constants.push_back({"has_linear_maps", has_linear_maps(prepared)});
+    prepared.param_constants.push_back({"has_several_objects", has_several_objects(prepared)});
 }
 
 void pack_flat_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
@@ -445,8 +451,8 @@ void pack_bvh(PreparedStrategy& prepared, const TextureLimits& limits, BufferKin
     prepared.stats = {{"build_ms", bvh.build_ms, "both levels, all threads"},
                       {"pack_ms", ms_since(start), ""}};
     add_packed(prepared, packed);
-    prepared.param_constants.push_back(has_top_level(prepared));
-    prepared.param_constants.push_back(has_linear_maps(prepared));
+    prepared.param_constants.push_back({"has_top_level", has_top_level(prepared)});
+    prepared.param_constants.push_back({"has_linear_maps", has_linear_maps(prepared)});
 }
 
 void pack_bvh_in_buffers(PreparedStrategy& prepared, const TextureLimits& limits) {
@@ -526,25 +532,36 @@ bool PreparedStrategy::answers_any() const {
     return has(params, "any_hit") && params.integer("any_hit") == 1;
 }
 
-bool PreparedStrategy::casts_pairs() const {
-    if (!has(params, "pairs")) return false;
-    const std::string& pairs = params.text("pairs");
-    return pairs == "on" || (pairs == "auto" && jumps);
+CastForm PreparedStrategy::fragment_form() const {
+    const bool is_on = is_chosen(params, "pairs", device.jumps);
+    return is_on ? CastForm::pairs : CastForm::single;
+}
+
+CastForm PreparedStrategy::compute_form() const {
+    // (gpu_glsl/README.md: what a GPU is bound by.) The walk of a grid through a top level, or
+    // through linear maps, does not do with so few registers.
+    const bool is_short = !has_top_level(*this) && !has_linear_maps(*this);
+    const bool pays =
+        !device.is_software && device.has_ballots && (info.structure == "bvh" || is_short);
+    const bool is_on = is_chosen(params, "persistent", pays);
+    return is_on ? CastForm::persistent : CastForm::single;
 }
 
 PlanesForm PreparedStrategy::planes_form() const {
     if (!has(params, "records")) return PlanesForm::floats;
     const std::string& records = params.text("records");
-    const bool is_fixed = records == "fixed" || (records == "auto" && is_software);
+    const bool is_fixed = records == "fixed" || (records == "auto" && device.is_software);
     return is_fixed ? PlanesForm::fixed : PlanesForm::floats;
 }
 
 std::vector<gl::ShaderConstant> PreparedStrategy::constants(bool count_work,
                                                             const SceneNeeds* needs,
                                                             Query query) const {
+    const bool loads_in_place = device.is_software && !device.jumps;
     std::vector<gl::ShaderConstant> all = {{"count_work", count_work},
-                                           {"is_software", is_software},
-                                           {"loads_texels_in_place", is_software && !jumps},
+                                           {"is_software", device.is_software},
+                                           {"loads_texels_in_place", loads_in_place},
+                                           {"has_ballots", device.has_ballots},
                                            {"has_fixed_planes", planes_form() == PlanesForm::fixed},
                                            {"any_query", query == Query::any && answers_any()}};
     if (!has(params, "any_hit")) all.push_back({"any_hit", 0});
@@ -575,8 +592,7 @@ PreparedStrategy prepare_strategy(const gl::StrategyInfo& info, const std::strin
                               .param_constants = {},
                               .stats = {},
                               .moving = {},
-                              .is_software = device.is_software,
-                              .jumps = device.jumps};
+                              .device = device};
     for (const ParamInfo& param : info.params) {
         prepared.param_constants.push_back(param_constant(param, prepared.params));
     }

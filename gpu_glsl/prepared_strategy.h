@@ -19,6 +19,21 @@
 
 namespace onepass {
 
+/// What runs a strategy: by default a GPU, or a twin.
+struct Device {
+    TextureLimits limits;
+    bool is_software = false;  ///< a software renderer (shaders/lib/renderer.glsl, loops.glsl)
+    bool jumps = false;        ///< one that jumps (gl/context.h: is_jumping_renderer)
+    bool has_ballots = false;  ///< invocations that run together can tell how many they are
+};
+
+/// How given rays are cast.
+enum class CastForm {
+    single,      ///< one an invocation
+    pairs,       ///< two a fragment (shaders/lib/grid/pairs.glsl)
+    persistent,  ///< from a queue (shaders/entry/cast_compute_persistent.glsl)
+};
+
 struct PreparedStrategy {
     gl::StrategyInfo info;
     std::string storage;
@@ -29,8 +44,7 @@ struct PreparedStrategy {
     std::vector<Stat> stats;
     /// What moving takes; nothing: it does not move.
     std::variant<std::monostate, MovingTopLevel, MovingTopBuffers> moving;
-    bool is_software = false;  ///< of the device
-    bool jumps = false;
+    Device device = {};
 
     /// The roots of a shader: storage, strategy, then the entry.
     std::vector<std::string> files_with(const std::string& entry_file) const;
@@ -39,9 +53,10 @@ struct PreparedStrategy {
     /// parameter `any_hit`, and that is on.
     bool answers_any() const;
 
-    /// Whether a fragment answers two given rays: by the strategy's parameter `pairs`, if it has
-    /// one; `auto`: where that pays.
-    bool casts_pairs() const;
+    /// How fragments cast given rays: by the strategy's parameter `pairs`, if it has one; and how
+    /// compute shaders do: by its parameter `persistent`. `auto`: as pays.
+    CastForm fragment_form() const;
+    CastForm compute_form() const;
 
     /// How the planes of triangles are stored: by the strategy's parameter `records`; `auto`: as
     /// the device does best with.
@@ -56,13 +71,6 @@ struct PreparedStrategy {
 /// The parameters a user may set: those of the structure, of the storage and of the strategy.
 /// Throws: Error if no packing is known for the structure and storage.
 std::vector<ParamInfo> strategy_params(const gl::StrategyInfo& info, const std::string& storage);
-
-/// What runs a strategy: by default a GPU, or a twin.
-struct Device {
-    TextureLimits limits;
-    bool is_software = false;  ///< a software renderer (shaders/lib/renderer.glsl, loops.glsl)
-    bool jumps = false;        ///< one that jumps (gl/context.h: is_jumping_renderer)
-};
 
 /// Builds the structure and packs it.
 /// Throws: Error for bad parameter values, or a scene that does not fit the limits.

@@ -25,6 +25,7 @@ struct GlDescription {
     int device = kAnyDevice;   ///< index in EGL's device list, if one was opened
     bool software = false;     ///< it runs on the CPU: flagged in every result
     bool jumps = false;        ///< as is_jumping_renderer() says
+    bool has_ballots = false;  ///< GL_KHR_shader_subgroup: ballots in compute shaders
 };
 
 /// The limits that packing and dispatching have to keep. 0: the context lacks the feature.

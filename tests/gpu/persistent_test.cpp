@@ -1,0 +1,99 @@
+// Invocations that take given rays from a queue answer as those do that are given one each.
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "core/shading.h"
+#include "gpu_glsl/prepared_strategy.h"
+#include "scenes/scenes.h"
+#include "tests/support/awkward_rays.h"
+#include "tests/support/judged.h"
+#include "tests/support/strategy_fixture.h"
+
+namespace onepass::test {
+namespace {
+
+constexpr const char* kTracers[] = {"grid/buffer/compute", "grid/ssbo/compute",
+                                    "bvh/buffer/compute", "bvh/ssbo/compute"};
+
+class Persistent : public GlTest {
+  protected:
+    std::unique_ptr<Tracer> make(const std::string& name, const ScenePtr& scene,
+                                 const std::string& persistent) {
+        if (!catalogue) catalogue = catalogue_of(context);
+        return catalogue->at(name).make(scene, {{"persistent", persistent}});
+    }
+
+    std::optional<Catalogue> catalogue;
+};
+
+TEST_F(Persistent, invocations_answer_as_those_do_that_are_given_one_ray_each) {
+    for (const Scene& made : {make_balls_1(), make_knife(), make_big_small()}) {
+        const ScenePtr scene = share(made);
+        std::vector<Ray> rays = awkward_rays(*scene);
+        for (const char* kind : {"primary", "vertex", "edge", "random"}) {
+            const std::vector<Ray> some = rays_of_kind(kind, *scene, 16);
+            rays.insert(rays.end(), some.begin(), some.end());
+        }
+        for (const char* name : kTracers) {
+            const auto given = make(name, scene, "off");
+            const auto taken = make(name, scene, "on");
+            for (const Query query : {Query::closest, Query::any}) {
+                const CastOptions options = {.query = query, .counters = true};
+                const CastResult expected = cast(*given, rays, options);
+                const CastResult result = cast(*taken, rays, options);
+                const std::string what = fmt::format("{}, {}", name, scene->name);
+                expect_same_bits(result.hits, expected.hits, what);
+                EXPECT_EQ(result.flags, expected.flags) << what;
+                EXPECT_TRUE(result.counters == expected.counters) << what;
+            }
+        }
+    }
+}
+
+// A queue that was not left empty would begin the next cast behind its first ray.
+TEST_F(Persistent, any_number_of_rays_is_cast_again_and_again) {
+    const ScenePtr scene = share(make_instances());
+    const std::vector<Ray> all = random_rays(scene_bounds(*scene), 5000, 3);
+    const auto taken = make("grid/buffer/compute", scene, "on");
+    const std::vector<Hit> expected = cast(*make("grid/buffer/compute", scene, "off"), all).hits;
+    for (const size_t count : {1, 31, 1023, 1024, 1025, 5000, 2048, 5000}) {
+        const std::vector<Ray> rays(all.begin(), all.begin() + count);
+        const RayBatch batch = taken->upload(rays);
+        for (const bool counters : {false, true, false}) {
+            expect_same_bits(taken->cast(batch, {.counters = counters}).hits,
+                             {expected.begin(), expected.begin() + count},
+                             fmt::format("{} rays", count));
+        }
+    }
+}
+
+CastForm form_on(const std::string& strategy, const ScenePtr& scene, const Device& device,
+                 const ParamValues& params = {}) {
+    const std::vector<gl::StrategyInfo> all = gl::ShaderLibrary::embedded().strategies();
+    const auto info = std::ranges::find(all, strategy, &gl::StrategyInfo::name);
+    return prepare_strategy(*info, "ssbo", scene, params, device).compute_form();
+}
+
+TEST(PersistentThreads, are_for_gpus_that_gain_by_them_or_where_asked_for) {
+    using enum CastForm;
+    const Device gpu = {.limits = {}, .has_ballots = true};
+    const ScenePtr one = ball_at(vec3(0.0f), 1.0f);
+    const ScenePtr several = share(make_instances());
+    EXPECT_EQ(form_on("grid", one, gpu), persistent);
+    EXPECT_EQ(form_on("grid", one, gpu, {{"persistent", "off"}}), single);
+    EXPECT_EQ(form_on("grid", several, gpu), single);
+    EXPECT_EQ(form_on("grid", one, gpu, {{"specialise", "0"}}), single);
+    EXPECT_EQ(form_on("grid", several, gpu, {{"persistent", "on"}}), persistent);
+    EXPECT_EQ(form_on("bvh", several, gpu), persistent);
+    EXPECT_EQ(form_on("flat_grid", one, gpu), single);
+    EXPECT_EQ(form_on("grid", one, {}), single) << "no ballots";
+    const Device cpu = {.limits = {}, .is_software = true, .has_ballots = true};
+    EXPECT_EQ(form_on("grid", one, cpu), single);
+    EXPECT_EQ(form_on("grid", one, cpu, {{"persistent", "on"}}), persistent);
+}
+
+}  // namespace
+}  // namespace onepass::test
