@@ -21,7 +21,9 @@ const std::vector<double>& samples_of(const AblationRecord& record) {
 
 const std::vector<AblationStep>& ablation_steps(const std::string& strategy) {
     static const AblationStep kPersistent = {
-        "persistent threads: rays are taken from a queue", {}, {{"persistent", "off"}}};
+        "persistent threads, where a GPU gains by them: rays from a queue",
+        {},
+        {{"persistent", "off"}}};
     static const AblationStep kAnyHit = {
         "any hit: shadow rays end at their first", {}, {{"any_hit", "0"}}};
     static const AblationStep kSpecialise = {

@@ -134,10 +134,9 @@ class GpuTracer final : public Tracer {
         return std::min(kMaxChunkRays, most);
     }
 
-    /// Fragments count the work of one ray at a time.
+    /// Work is counted for one ray an invocation.
     CastForm form(const CastOptions& options) const {
-        const CastForm form = cast_form(prepared_, entry_);
-        return form == CastForm::pairs && options.counters ? CastForm::single : form;
+        return options.counters ? CastForm::single : cast_form(prepared_, entry_);
     }
 
     /// The device has them now.

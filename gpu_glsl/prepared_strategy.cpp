@@ -538,11 +538,11 @@ CastForm PreparedStrategy::fragment_form() const {
 }
 
 CastForm PreparedStrategy::compute_form() const {
-    // (gpu_glsl/README.md: what a GPU is bound by.) The walk of a grid through a top level, or
-    // through linear maps, does not do with so few registers.
-    const bool is_short = !has_top_level(*this) && !has_linear_maps(*this);
-    const bool pays =
-        !device.is_software && device.has_ballots && (info.structure == "bvh" || is_short);
+    // A grid's walk through a top level does not do with so few registers (gpu_glsl/README.md: what
+    // a GPU is bound by). That through a linear map is taken for as long: it was not measured.
+    const bool has_short_walk =
+        info.structure == "bvh" || (!has_top_level(*this) && !has_linear_maps(*this));
+    const bool pays = !device.is_software && device.has_ballots && has_short_walk;
     const bool is_on = is_chosen(params, "persistent", pays);
     return is_on ? CastForm::persistent : CastForm::single;
 }
@@ -557,10 +557,11 @@ PlanesForm PreparedStrategy::planes_form() const {
 std::vector<gl::ShaderConstant> PreparedStrategy::constants(bool count_work,
                                                             const SceneNeeds* needs,
                                                             Query query) const {
-    const bool loads_in_place = device.is_software && !device.jumps;
+    const bool is_old_software = device.is_software && !device.jumps;
     std::vector<gl::ShaderConstant> all = {{"count_work", count_work},
                                            {"is_software", device.is_software},
-                                           {"loads_texels_in_place", loads_in_place},
+                                           {"loads_texels_in_place", is_old_software},
+                                           {"ends_loops", is_old_software},
                                            {"has_ballots", device.has_ballots},
                                            {"has_fixed_planes", planes_form() == PlanesForm::fixed},
                                            {"any_query", query == Query::any && answers_any()}};

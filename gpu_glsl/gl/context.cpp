@@ -51,6 +51,14 @@ int64_t indexed_limit(GLenum name, GLuint index) {
     return value;
 }
 
+bool has_ballots() {
+    if (!GLAD_GL_KHR_shader_subgroup) return false;
+    const int64_t features = limit(GL_SUBGROUP_SUPPORTED_FEATURES_KHR);
+    const int64_t stages = limit(GL_SUBGROUP_SUPPORTED_STAGES_KHR);
+    return (features & GL_SUBGROUP_FEATURE_BALLOT_BIT_KHR) != 0 &&
+           (stages & GL_COMPUTE_SHADER_BIT) != 0;
+}
+
 }  // namespace
 
 DynamicLibrary::DynamicLibrary(std::initializer_list<const char*> names,
@@ -114,14 +122,6 @@ void load_gl(std::string_view kind, GLADloadfunc loader) {
 }
 
 std::vector<std::string> take_debug_messages() { return std::exchange(debug_messages(), {}); }
-
-bool has_ballots() {
-    if (!GLAD_GL_KHR_shader_subgroup) return false;
-    const int64_t features = limit(GL_SUBGROUP_SUPPORTED_FEATURES_KHR);
-    const int64_t stages = limit(GL_SUBGROUP_SUPPORTED_STAGES_KHR);
-    return (features & GL_SUBGROUP_FEATURE_BALLOT_BIT_KHR) != 0 &&
-           (stages & GL_COMPUTE_SHADER_BIT) != 0;
-}
 
 GlDescription describe_current(std::string_view kind, int device) {
     GLint major = 0;

@@ -1,5 +1,5 @@
-// Entry: one chunk of tests for given rays, one an invocation; records as cast_compute.glsl. The
-// hit so far waits in its record.
+// Entry: one chunk of tests for given rays, one an invocation; records as lib/ray_records.glsl has
+// them. The hit so far waits in its record.
 #include "brute_force/test_chunk.glsl"
 
 layout(local_size_x = 64) in;

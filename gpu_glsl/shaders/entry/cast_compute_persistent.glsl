@@ -5,13 +5,16 @@
 // that leave room for all of it: on an H100 64 an invocation, where they take some 96 in small
 // groups, and half as many rays again wait for memory at once. A large group that casts one ray an
 // invocation would wait for its slowest; here who has an answer goes on to the next ray. There is
-// an invocation for every ray: those that come when none is left end at once, and where a driver
-// ends a loop (lib/loops.glsl) there is still one for each ray.
+// an invocation for every ray: those that come when none is left end at once.
 #if NEEDS(has_ballots)
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #endif
 #include "lib/ray_records.glsl"
+
+// A driver that ends loops (lib/loops.glsl) counts the turns of all rays that an invocation casts:
+// there each takes one.
+CONSTANT(bool, ends_loops)
 
 layout(local_size_x = 1024) in;
 
@@ -41,7 +44,7 @@ void main() {
     do {
         taken_ray = int(add_one(kRaysTaken));
         if (taken_ray < ray_count) cast_ray();
-    } while (taken_ray < ray_count);
+    } while (taken_ray < ray_count && !ends_loops);
 
     uint invocations = gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
     if (add_one(kInvocationsEnded) == invocations - 1u) {

@@ -1,4 +1,4 @@
-// Compute form: the records of given rays, those of entry/cast_compute.glsl.
+// Compute form: the records of given rays, those of lib/ray_records.glsl.
 #include "streaming/compute/hit_state.glsl"
 #include "streaming/compute/work_state.glsl"
 
