@@ -18,6 +18,7 @@ struct Dyadic {
     explicit Dyadic(double x) {
         constexpr int kMantissaBits = 53;
         int exponent_of_x = 0;
+        // cppcheck-suppress useInitializationList
         mantissa = static_cast<long long>(std::ldexp(std::frexp(x, &exponent_of_x), kMantissaBits));
         exponent = mantissa.is_zero() ? 0 : exponent_of_x - kMantissaBits;
     }

@@ -190,7 +190,6 @@ int64_t doubled_area(const LatticePoint& a, const LatticePoint& b, const Lattice
 class Subdivision {
   public:
     Subdivision() {
-        points_ = {{0, 0}, {kLattice, 0}, {kLattice, kLattice}, {0, kLattice}};
         add({0, 1, 2});
         add({0, 2, 3});
     }
@@ -296,7 +295,8 @@ class Subdivision {
         return {mix(a.x, b.x), mix(a.y, b.y)};
     }
 
-    std::vector<LatticePoint> points_;
+    std::vector<LatticePoint> points_ = {
+        {0, 0}, {kLattice, 0}, {kLattice, kLattice}, {0, kLattice}};
     std::vector<uvec3> triangles_;
     std::unordered_map<uint64_t, uint32_t> triangle_at_;  ///< of a directed edge, on its left
 };

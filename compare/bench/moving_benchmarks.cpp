@@ -2,6 +2,7 @@
 #include "compare/bench/moving_benchmarks.h"
 
 #include <string>
+#include <utility>
 
 #include "compare/bench/versus_embree.h"
 #include "core/grid/two_level_grid.h"
@@ -72,8 +73,9 @@ void top_level_grid(benchmark::State& state, uint32_t instances) {
     std::vector<std::vector<Bounds>> boxes;
     const Bounds object = object_bounds(swarm.scene->objects.front());
     for (const std::vector<Affine>& frame : swarm.frames) {
-        std::vector<Bounds>& of_frame = boxes.emplace_back();
+        std::vector<Bounds> of_frame;
         for (const Affine& m : frame) of_frame.push_back(transform_bounds(m, object));
+        boxes.push_back(std::move(of_frame));
     }
     EmbreeRecommit embree(*swarm.scene);
     const GridSizing sizing = TwoLevelSizing{}.top;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include <tbb/global_control.h>
 
@@ -36,12 +37,13 @@ std::vector<std::vector<uint32_t>> permute(Scene& scene, uint64_t seed) {
     Random random(seed);
     std::vector<std::vector<uint32_t>> old_ids;
     for (Object& object : scene.objects) {
-        std::vector<uint32_t>& order = old_ids.emplace_back(object.triangles.size());
+        std::vector<uint32_t> order(object.triangles.size());
         std::iota(order.begin(), order.end(), 0u);
         random.shuffle(std::span(order));
         std::vector<uvec3> triangles;
         for (const uint32_t id : order) triangles.push_back(object.triangles[id]);
         object.triangles = std::move(triangles);
+        old_ids.push_back(std::move(order));
     }
     return old_ids;
 }

@@ -38,7 +38,9 @@ class SortCuts {
   public:
     SortCuts(uint32_t primitives, uint64_t cells);
 
-    size_t chunk_count() const { return ((uint64_t{primitives_} - 1) >> chunk_bits_) + 1; }
+    size_t chunk_count() const {
+        return ((static_cast<uint64_t>(primitives_) - 1) >> chunk_bits_) + 1;
+    }
     uint64_t first_primitive(size_t chunk) const {
         return std::min(uint64_t{chunk} << chunk_bits_, uint64_t{primitives_});
     }

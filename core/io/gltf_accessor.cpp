@@ -153,7 +153,8 @@ std::vector<float> normalized(const std::vector<unsigned char>& bytes) {
 /// All normalized integers of an accessor, as floats from -1 or 0 to 1.
 std::vector<float> read_normalized(const tinygltf::Model& model, const tinygltf::Accessor& accessor,
                                    int type, size_t components, const std::string& where) {
-    const auto read = [&]<class Integer>(Integer) {
+    const auto read = [&](auto of_type) {
+        using Integer = decltype(of_type);
         return normalized<Integer>(
             accessor_bytes(model, accessor, components * sizeof(Integer), where));
     };

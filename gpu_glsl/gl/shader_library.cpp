@@ -142,7 +142,7 @@ class Composition {
         if (is_endif) {
             conditions.pop_back();
         } else if (resolved) {
-            const bool enclosing = conditions.size() < 2 || conditions.end()[-2].keeps;
+            const bool enclosing = conditions.size() < 2 || conditions[conditions.size() - 2].keeps;
             conditions.back().keeps = enclosing && !conditions.back().keeps;
         }
         return resolved;

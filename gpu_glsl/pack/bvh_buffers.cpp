@@ -104,7 +104,7 @@ void put_triangles(float* corners, uint32_t* planes, PlanesForm form, uint32_t* 
                     const dvec3 q = (p - frame.origin) * frame.scale;
                     for (int axis = 0; axis < 3; ++axis) {
                         out[axis] = static_cast<float>(q[axis]);
-                        stored[v][axis] = double{out[axis]} - around.centre[axis];
+                        stored[v][axis] = static_cast<double>(out[axis]) - around.centre[axis];
                     }
                 }
                 put_barycentric_planes(planes + planes_words(form) * slot, form, stored[0],
