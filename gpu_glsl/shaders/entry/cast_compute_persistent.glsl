@@ -37,14 +37,15 @@ uint add_one(int count) {
 #endif
 }
 
-int taken_ray;
-int ray_index() { return taken_ray; }
+// The rays in flight, by invocation: so none keeps a register for the number of its own.
+shared int taken_rays[gl_WorkGroupSize.x];
+int ray_index() { return taken_rays[gl_LocalInvocationIndex]; }
 
 void main() {
     do {
-        taken_ray = int(add_one(kRaysTaken));
-        if (taken_ray < ray_count) cast_ray();
-    } while (taken_ray < ray_count && !ends_loops);
+        taken_rays[gl_LocalInvocationIndex] = int(add_one(kRaysTaken));
+        if (ray_index() < ray_count) cast_ray();
+    } while (ray_index() < ray_count && !ends_loops);
 
     uint invocations = gl_NumWorkGroups.x * gl_NumWorkGroups.y * gl_WorkGroupSize.x;
     if (add_one(kInvocationsEnded) == invocations - 1u) {
