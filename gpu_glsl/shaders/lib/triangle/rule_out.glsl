@@ -22,7 +22,8 @@ struct Sight {
     float doubt;  // a weight of corners is wrong by less than this, in the weights' unit
 };
 
-// `half_box`: half of the box's edges. For coordinates of more than 1/2, of the box or of the ray's
+// `half_box`: half of the box's edges, or its upper corner: the lower one is as far, but for the
+// rounding of the centre, 2^-23 of it. For coordinates of more than 1/2, of the box or of the ray's
 // origin, the records' bounds are as much larger.
 // (The doubt is made here, because some compilers take nothing out of loops.)
 Sight sight_from(vec3 org, vec3 dir, vec3 half_box) {
