@@ -40,7 +40,7 @@ size_t most_rays_in_texels(int64_t most_texels);
 ChunkOnDevice upload_to_texels(std::span<const Ray> rays);
 ChunkOnDevice upload_to_buffer(std::span<const Ray> rays);
 
-/// The records of lib/ray_records.glsl and entry/compute.glsl (std430).
+/// The records of lib/records.glsl and entry/compute.glsl (std430).
 struct HitRecord {
     vec4 hit;
     glm::uvec4 ids;

@@ -1,17 +1,9 @@
-// Entry: one chunk of tests for given rays, one an invocation; records as lib/ray_records.glsl has
-// them. The hit so far waits in its record.
+// Entry: one chunk of tests for given rays, one an invocation. The hit so far waits in its record.
 #include "brute_force/test_chunk.glsl"
+#include "lib/records.glsl"
 
 layout(local_size_x = 64) in;
 
-struct RayRecord {
-    vec4 origin;     // org, tmin
-    vec4 direction;  // dir, tmax
-};
-struct HitRecord {
-    vec4 hit;   // t, u, v
-    uvec4 ids;  // prim_id, inst_id, flags
-};
 layout(std430, binding = 0) readonly buffer RayBuffer { RayRecord rays[]; };
 layout(std430, binding = 1) buffer HitBuffer { HitRecord hits[]; };
 #if NEEDS(count_work)

@@ -4,15 +4,8 @@
 //   int ray_index()
 #pragma once
 #include "lib/ray.glsl"
+#include "lib/records.glsl"
 
-struct RayRecord {
-    vec4 origin;     // org, tmin
-    vec4 direction;  // dir, tmax
-};
-struct HitRecord {
-    vec4 hit;   // t, u, v
-    uvec4 ids;  // prim_id, inst_id, flags
-};
 layout(std430, binding = 0) volatile readonly buffer RayBuffer { RayRecord rays[]; };
 layout(std430, binding = 1) writeonly buffer HitBuffer { HitRecord hits[]; };
 #if NEEDS(count_work)

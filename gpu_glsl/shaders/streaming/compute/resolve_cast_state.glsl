@@ -1,11 +1,8 @@
-// Compute form: the records of given rays, those of lib/ray_records.glsl.
+// Compute form: the records of given rays' answers.
+#include "lib/records.glsl"
 #include "streaming/compute/hit_state.glsl"
 #include "streaming/compute/work_state.glsl"
 
-struct HitRecord {
-    vec4 hit;   // t, u, v
-    uvec4 ids;  // prim_id, inst_id, flags, bytes of the grid read
-};
 layout(std430) writeonly buffer HitBuffer { HitRecord hits[]; };
 #if NEEDS(count_work)
 layout(std430) writeonly buffer CounterBuffer {
