@@ -23,10 +23,6 @@ constexpr size_t kMaxChunkRays = size_t{1} << 22;
 /// The counts of entry/cast_compute_persistent.glsl.
 constexpr size_t kQueueBytes = 2 * sizeof(uint32_t);
 
-/// Groups of persistent threads: more than a GPU runs at once (an H100 132), and not many more, for
-/// those that come when no ray is left are still begun, some 2 us for as many as run at once.
-constexpr size_t kMostPersistentGroups = 256;
-
 class GpuTracer final : public Tracer {
   public:
     GpuTracer(std::string name, PreparedStrategy prepared, GpuEntry entry,
@@ -276,16 +272,15 @@ class GpuTracer final : public Tracer {
         program.set_buffer("RayBuffer", *chunk.buffer);
         answers.give_to(program);
         program.set_uniform("ray_count", static_cast<int32_t>(chunk.count));
-        const size_t group_size = program.work_group_size().x;
-        size_t groups = (chunk.count + group_size - 1) / group_size;
         if (form(options) == CastForm::persistent) {
             if (!queue_) queue_.emplace("queue", kQueueBytes);
             program.set_buffer("QueueBuffer", *queue_);
-            if (!prepared_.ends_loops()) groups = std::min(groups, kMostPersistentGroups);
         }
 
         // Groups in two dimensions: one dimension holds at least 65,535.
         constexpr size_t kMaxGroupsX = 65535;
+        const size_t group_size = program.work_group_size().x;
+        const size_t groups = (chunk.count + group_size - 1) / group_size;
         const size_t groups_x = std::min(groups, kMaxGroupsX);
         const size_t groups_y = (groups + groups_x - 1) / groups_x;
         add_time(gl::finish_and_time(context_,

@@ -522,9 +522,6 @@ gl::ShaderConstant param_constant(const ParamInfo& info, const Params& params) {
                  "Shader constants have no texts: change the strategy's front matter."});
 }
 
-/// llvmpipe as of Mesa 22.3.
-bool is_old_software(const Device& device) { return device.is_software && !device.jumps; }
-
 }  // namespace
 
 std::vector<std::string> PreparedStrategy::files_with(const std::string& entry_file) const {
@@ -550,8 +547,6 @@ CastForm PreparedStrategy::compute_form() const {
     return is_on ? CastForm::persistent : CastForm::single;
 }
 
-bool PreparedStrategy::ends_loops() const { return is_old_software(device); }
-
 PlanesForm PreparedStrategy::planes_form() const {
     if (!has(params, "records")) return PlanesForm::floats;
     const std::string& records = params.text("records");
@@ -562,10 +557,11 @@ PlanesForm PreparedStrategy::planes_form() const {
 std::vector<gl::ShaderConstant> PreparedStrategy::constants(bool count_work,
                                                             const SceneNeeds* needs,
                                                             Query query) const {
+    const bool is_old_software = device.is_software && !device.jumps;
     std::vector<gl::ShaderConstant> all = {{"count_work", count_work},
                                            {"is_software", device.is_software},
-                                           {"loads_texels_in_place", is_old_software(device)},
-                                           {"ends_loops", ends_loops()},
+                                           {"loads_texels_in_place", is_old_software},
+                                           {"ends_loops", is_old_software},
                                            {"has_ballots", device.has_ballots},
                                            {"has_fixed_planes", planes_form() == PlanesForm::fixed},
                                            {"any_query", query == Query::any && answers_any()}};

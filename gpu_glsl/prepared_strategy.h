@@ -58,10 +58,6 @@ struct PreparedStrategy {
     CastForm fragment_form() const;
     CastForm compute_form() const;
 
-    /// Whether the driver ends loops of many turns (shaders/lib/loops.glsl): there an invocation of
-    /// persistent threads takes one ray, for it counts the turns of all.
-    bool ends_loops() const;
-
     /// How the planes of triangles are stored: by the strategy's parameter `records`; `auto`: as
     /// the device does best with.
     PlanesForm planes_form() const;

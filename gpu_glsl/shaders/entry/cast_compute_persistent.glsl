@@ -4,8 +4,8 @@
 // A group is as large as OpenGL promises it may be, so that compilers must do with the registers
 // that leave room for all of it: on an H100 64 an invocation, where they take some 96 in small
 // groups, and half as many rays again wait for memory at once. A large group that casts one ray an
-// invocation would wait for its slowest; here who has an answer goes on to the next ray. Any number
-// of invocations will do: those that come when no ray is left end at once.
+// invocation would wait for its slowest; here who has an answer goes on to the next ray. There is
+// an invocation for every ray: those that come when none is left end at once.
 #if NEEDS(has_ballots)
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -13,7 +13,7 @@
 #include "lib/ray_records.glsl"
 
 // A driver that ends loops (lib/loops.glsl) counts the turns of all rays that an invocation casts:
-// there each takes one, and there is one for every ray.
+// there each takes one.
 CONSTANT(bool, ends_loops)
 
 layout(local_size_x = 1024) in;
