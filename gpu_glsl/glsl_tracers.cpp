@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <thread>
 
 #include <fmt/format.h>
 
@@ -32,6 +33,14 @@ TracerInfo tracer_info(const gl::StrategyInfo& info, const std::string& storage,
             .by_default = info.by_default};
 }
 
+/// Those of a software renderer are the machine's.
+uint32_t processors_of(const gl::GlContext& context) {
+    constexpr uint32_t kUnknown = 256;
+    if (context.limits().processors > 0) return static_cast<uint32_t>(context.limits().processors);
+    return context.description().software ? std::max(1u, std::thread::hardware_concurrency())
+                                          : kUnknown;
+}
+
 Device device_of(const gl::GlContext& context) {
     const gl::GlLimits& limits = context.limits();
     return {.limits = {.max_2d = static_cast<uint32_t>(limits.max_texture_size),
@@ -40,7 +49,8 @@ Device device_of(const gl::GlContext& context) {
                        .max_block = static_cast<uint64_t>(limits.max_ssbo_bytes)},
             .is_software = context.description().software,
             .jumps = context.description().jumps,
-            .has_ballots = context.description().has_ballots};
+            .has_ballots = context.description().has_ballots,
+            .processors = processors_of(context)};
 }
 
 /// The units of a strategy in one storage. Throws: Error if the front matter and the build differ.

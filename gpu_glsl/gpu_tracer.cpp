@@ -17,11 +17,11 @@
 namespace onepass {
 namespace {
 
+using glm::uint;
+#include "gpu_glsl/shaders/shared/ray_queue_layout.h"
+
 /// Rays a chunk holds at most: 4 Mi rays take 128 MiB, and results of the same order.
 constexpr size_t kMaxChunkRays = size_t{1} << 22;
-
-/// The counts of entry/cast_compute_persistent.glsl.
-constexpr size_t kQueueBytes = 2 * sizeof(uint32_t);
 
 class GpuTracer final : public Tracer {
   public:
@@ -37,7 +37,7 @@ class GpuTracer final : public Tracer {
             textures_.push_back(upload_texture(texture));
         }
         give_texels_back();
-        cast_program({});
+        cast_program({}, kManyRays);
     }
 
     const std::string& name() const override { return name_; }
@@ -135,8 +135,8 @@ class GpuTracer final : public Tracer {
     }
 
     /// Work is counted for one ray an invocation.
-    CastForm form(const CastOptions& options) const {
-        return options.counters ? CastForm::single : cast_form(prepared_, entry_);
+    CastForm form(const CastOptions& options, size_t rays) const {
+        return options.counters ? CastForm::single : cast_form(prepared_, entry_, rays);
     }
 
     /// The device has them now.
@@ -202,23 +202,23 @@ class GpuTracer final : public Tracer {
 
     template <class F>
     void for_each_program(const F& f) {
-        for (auto& programs_of_query : cast_programs_) {
-            for (std::optional<gl::Program>& program : programs_of_query) {
-                if (program) f(*program);
-            }
-        }
+        for (auto& [variant, program] : cast_programs_) f(program);
         for (RenderVariant& variant : render_programs_) f(variant.program);
     }
 
-    gl::Program& cast_program(const CastOptions& options) {
+    gl::Program& cast_program(const CastOptions& options, size_t rays) {
         const bool any = options.query == Query::any && prepared_.answers_any();
-        std::optional<gl::Program>& program = cast_programs_[any ? 1 : 0][options.counters ? 1 : 0];
-        if (!program) {
-            program = make_program(cast_file(entry_, form(options)),
-                                   prepared_.constants(options.counters, nullptr, options.query),
-                                   any || options.counters ? nullptr : &cast_hash_);
+        const CastVariant variant = {any, options.counters, form(options, rays)};
+        auto found = cast_programs_.find(variant);
+        if (found == cast_programs_.end()) {
+            // The first, which the constructor makes, gives the tracer's hash.
+            std::string* hash = cast_programs_.empty() ? &cast_hash_ : nullptr;
+            gl::Program program =
+                make_program(cast_file(entry_, form(options, rays)),
+                             prepared_.constants(options.counters, nullptr, options.query), hash);
+            found = cast_programs_.emplace(variant, std::move(program)).first;
         }
-        return *program;
+        return found->second;
     }
 
     gl::Program& render_program(const RenderSettings& settings) {
@@ -247,13 +247,13 @@ class GpuTracer final : public Tracer {
     void cast_fragments(const ChunkOnDevice& chunk, const CastOptions& options,
                         CastResult& result) {
         using enum gl::TexelFormat;
-        const size_t each = form(options) == CastForm::pairs ? 2 : 1;
+        const size_t each = form(options, chunk.count) == CastForm::pairs ? 2 : 1;
         std::vector<gl::TexelFormat> targets = {rgba32f, rgba32ui};
         if (options.counters) targets.push_back(rgba32ui);
         if (each == 2) targets.assign(3, rgba32ui);
         const uvec2 fragments = chunk.fragments(each);
         const gl::Framebuffer framebuffer(fragments.x, fragments.y, targets);
-        gl::Program& program = cast_program(options);
+        gl::Program& program = cast_program(options, chunk.count);
         chunk.give_to(program, each);
         add_time(gl::finish_and_time(context_, [&] { gl::draw_fullscreen(program, framebuffer); }),
                  result);
@@ -268,19 +268,21 @@ class GpuTracer final : public Tracer {
 
     void cast_compute(const ChunkOnDevice& chunk, const CastOptions& options, CastResult& result) {
         const AnswersOnDevice answers(chunk.count, options.counters);
-        gl::Program& program = cast_program(options);
+        gl::Program& program = cast_program(options, chunk.count);
         program.set_buffer("RayBuffer", *chunk.buffer);
         answers.give_to(program);
         program.set_uniform("ray_count", static_cast<int32_t>(chunk.count));
-        if (form(options) == CastForm::persistent) {
-            if (!queue_) queue_.emplace("queue", kQueueBytes);
-            program.set_buffer("QueueBuffer", *queue_);
+        const size_t group_size = program.work_group_size().x;
+        size_t groups = (chunk.count + group_size - 1) / group_size;
+        if (form(options, chunk.count) == CastForm::persistent) {
+            if (!prepared_.ends_loops()) {
+                groups = std::min<size_t>(groups, prepared_.device.processors);
+            }
+            share_out(chunk.count, groups, program);
         }
 
         // Groups in two dimensions: one dimension holds at least 65,535.
         constexpr size_t kMaxGroupsX = 65535;
-        const size_t group_size = program.work_group_size().x;
-        const size_t groups = (chunk.count + group_size - 1) / group_size;
         const size_t groups_x = std::min(groups, kMaxGroupsX);
         const size_t groups_y = (groups + groups_x - 1) / groups_x;
         add_time(gl::finish_and_time(context_,
@@ -289,6 +291,14 @@ class GpuTracer final : public Tracer {
 
         if (!options.answers) return;
         append_hits(answers, chunk.count, result);
+    }
+
+    /// Three quarters of the rays are the groups' own, the others the queue's.
+    void share_out(size_t rays, size_t groups, gl::Program& program) {
+        const size_t own_blocks = rays * 3 / 4 / (groups * kRayBlock);
+        program.set_uniform("own_rays", static_cast<uint32_t>(own_blocks * kRayBlock));
+        if (!queue_) queue_.emplace("queue", kQueueCounts * sizeof(uint32_t));
+        program.set_buffer("QueueBuffer", *queue_);
     }
 
     // ---- Render --------------------------------------------------------------------------------
@@ -323,6 +333,9 @@ class GpuTracer final : public Tracer {
         append_pixels(pixel_buffer, pixels, settings.aovs, frame);
     }
 
+    /// For any hit; with counters; the form.
+    using CastVariant = std::tuple<bool, bool, CastForm>;
+
     struct RenderVariant {
         SceneNeeds needs;
         bool count_work = false;
@@ -337,16 +350,15 @@ class GpuTracer final : public Tracer {
     int glsl_version_;
     std::vector<gl::Texture> textures_;
     std::optional<gl::Buffer> queue_;  ///< of persistent casts
-    /// For the nearest and for any hit, each without and with counters.
-    std::optional<gl::Program> cast_programs_[2][2];
+    std::map<CastVariant, gl::Program> cast_programs_;
     std::vector<RenderVariant> render_programs_;
     std::string cast_hash_;
 };
 
 }  // namespace
 
-CastForm cast_form(const PreparedStrategy& prepared, GpuEntry entry) {
-    return entry == GpuEntry::fragment ? prepared.fragment_form() : prepared.compute_form();
+CastForm cast_form(const PreparedStrategy& prepared, GpuEntry entry, size_t rays) {
+    return entry == GpuEntry::fragment ? prepared.fragment_form() : prepared.compute_form(rays);
 }
 
 std::string cast_file(GpuEntry entry, CastForm form) {

@@ -19,8 +19,8 @@ enum class GpuEntry { fragment, compute };
 std::unique_ptr<Tracer> make_gpu_tracer(std::string name, PreparedStrategy prepared, GpuEntry entry,
                                         const gl::ShaderLibrary& library, gl::GlContext& context);
 
-/// How that stage casts given rays.
-CastForm cast_form(const PreparedStrategy& prepared, GpuEntry entry);
+/// How that stage casts `rays` given rays.
+CastForm cast_form(const PreparedStrategy& prepared, GpuEntry entry, size_t rays = kManyRays);
 
 /// The shader files of an entry: for given rays, and for frames.
 std::string cast_file(GpuEntry entry, CastForm form);

@@ -21,6 +21,9 @@
 namespace onepass {
 namespace {
 
+using glm::uint;
+#include "gpu_glsl/shaders/shared/ray_queue_layout.h"
+
 double ms_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
         .count();
@@ -522,6 +525,9 @@ gl::ShaderConstant param_constant(const ParamInfo& info, const Params& params) {
                  "Shader constants have no texts: change the strategy's front matter."});
 }
 
+/// llvmpipe as of Mesa 22.3.
+bool is_old_software(const Device& device) { return device.is_software && !device.jumps; }
+
 }  // namespace
 
 std::vector<std::string> PreparedStrategy::files_with(const std::string& entry_file) const {
@@ -537,15 +543,20 @@ CastForm PreparedStrategy::fragment_form() const {
     return is_on ? CastForm::pairs : CastForm::single;
 }
 
-CastForm PreparedStrategy::compute_form() const {
+CastForm PreparedStrategy::compute_form(size_t rays) const {
     // A grid's walk through a top level does not do with so few registers (gpu_glsl/README.md: what
     // a GPU is bound by). That through a linear map is taken for as long: it was not measured.
     const bool has_short_walk =
         info.structure == "bvh" || (!has_top_level(*this) && !has_linear_maps(*this));
-    const bool pays = !device.is_software && device.has_ballots && has_short_walk;
+    // With no more rays than invocations run at once, none would take a second one.
+    const bool has_enough_rays = rays > size_t{device.processors} * kPersistentGroupSize;
+    const bool pays =
+        !device.is_software && device.has_ballots && has_short_walk && has_enough_rays;
     const bool is_on = is_chosen(params, "persistent", pays);
     return is_on ? CastForm::persistent : CastForm::single;
 }
+
+bool PreparedStrategy::ends_loops() const { return is_old_software(device); }
 
 PlanesForm PreparedStrategy::planes_form() const {
     if (!has(params, "records")) return PlanesForm::floats;
@@ -557,11 +568,10 @@ PlanesForm PreparedStrategy::planes_form() const {
 std::vector<gl::ShaderConstant> PreparedStrategy::constants(bool count_work,
                                                             const SceneNeeds* needs,
                                                             Query query) const {
-    const bool is_old_software = device.is_software && !device.jumps;
     std::vector<gl::ShaderConstant> all = {{"count_work", count_work},
                                            {"is_software", device.is_software},
-                                           {"loads_texels_in_place", is_old_software},
-                                           {"ends_loops", is_old_software},
+                                           {"loads_texels_in_place", is_old_software(device)},
+                                           {"ends_loops", ends_loops()},
                                            {"has_ballots", device.has_ballots},
                                            {"has_fixed_planes", planes_form() == PlanesForm::fixed},
                                            {"any_query", query == Query::any && answers_any()}};

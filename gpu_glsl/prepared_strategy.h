@@ -3,6 +3,7 @@
 // GPU tracers and twins start from the same PreparedStrategy; they differ in who runs the shader.
 #pragma once
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -25,14 +26,18 @@ struct Device {
     bool is_software = false;  ///< a software renderer (shaders/lib/renderer.glsl, loops.glsl)
     bool jumps = false;        ///< one that jumps (gl/context.h: is_jumping_renderer)
     bool has_ballots = false;  ///< invocations that run together can tell how many they are
+    uint32_t processors = 1;   ///< each runs one group of persistent threads at once
 };
 
 /// How given rays are cast.
 enum class CastForm {
     single,      ///< one an invocation
     pairs,       ///< two a fragment (shaders/lib/grid/pairs.glsl)
-    persistent,  ///< from a queue (shaders/entry/cast_compute_persistent.glsl)
+    persistent,  ///< one after the other (shaders/entry/cast_compute_persistent.glsl)
 };
+
+/// Rays of a cast that has enough of them for any form.
+inline constexpr size_t kManyRays = std::numeric_limits<size_t>::max();
 
 struct PreparedStrategy {
     gl::StrategyInfo info;
@@ -54,9 +59,13 @@ struct PreparedStrategy {
     bool answers_any() const;
 
     /// How fragments cast given rays: by the strategy's parameter `pairs`, if it has one; and how
-    /// compute shaders do: by its parameter `persistent`. `auto`: as pays.
+    /// compute shaders cast `rays` of them: by its parameter `persistent`. `auto`: as pays.
     CastForm fragment_form() const;
-    CastForm compute_form() const;
+    CastForm compute_form(size_t rays = kManyRays) const;
+
+    /// Whether the driver ends loops of many turns (shaders/lib/loops.glsl): there an invocation of
+    /// persistent threads takes one ray, for it counts the turns of all.
+    bool ends_loops() const;
 
     /// How the planes of triangles are stored: by the strategy's parameter `records`; `auto`: as
     /// the device does best with.

@@ -157,6 +157,7 @@ GlLimits query_limits() {
     limits.max_compute_work_groups_y = indexed_limit(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 1);
     limits.max_compute_work_groups_z = indexed_limit(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 2);
     limits.max_compute_invocations = limit(GL_MAX_COMPUTE_WORK_GROUP_INVOCATIONS);
+    if (GLAD_GL_NV_shader_thread_group) limits.processors = limit(GL_SM_COUNT_NV);
     return limits;
 }
 

@@ -41,6 +41,7 @@ struct GlLimits {
     int64_t max_compute_work_groups_y = 0;
     int64_t max_compute_work_groups_z = 0;
     int64_t max_compute_invocations = 0;  ///< of one work group
+    int64_t processors = 0;               ///< that run work groups: GL_NV_shader_thread_group
 };
 
 /// A core-profile context of OpenGL 3.3 to 4.6 (the highest there is), current when made.

@@ -12,7 +12,7 @@
 //! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
 //! param: records choice(auto,floats,fixed) auto what a triangle test reads: 48 bytes of floats or 32 of fixed-point numbers; auto: fixed on a software renderer
 //! param: pairs choice(auto,on,off) auto a fragment casts two given rays; auto: if a software renderer gains by it
-//! param: persistent choice(auto,on,off) auto a compute shader's invocations take ray after ray from a queue; auto: on a GPU that gains by it
+//! param: persistent choice(auto,on,off) auto a compute shader's invocations take ray after ray from a queue; auto: on a GPU that gains by it, for more rays than it casts at once
 //! param: specialise integer 1 leave out what the scene lacks; 0: one shader for all scenes
 
 // A grid tracer that loses nothing and wastes little: the same two levels as the paper's, with
