@@ -17,11 +17,11 @@
 namespace onepass {
 namespace {
 
-using glm::uint;
-#include "gpu_glsl/shaders/shared/ray_queue_layout.h"
-
 /// Rays a chunk holds at most: 4 Mi rays take 128 MiB, and results of the same order.
 constexpr size_t kMaxChunkRays = size_t{1} << 22;
+
+/// The counts of entry/cast_compute_persistent.glsl.
+constexpr size_t kQueueBytes = 2 * sizeof(uint32_t);
 
 class GpuTracer final : public Tracer {
   public:
@@ -275,10 +275,11 @@ class GpuTracer final : public Tracer {
         const size_t group_size = program.work_group_size().x;
         size_t groups = (chunk.count + group_size - 1) / group_size;
         if (form(options, chunk.count) == CastForm::persistent) {
+            if (!queue_) queue_.emplace("queue", kQueueBytes);
+            program.set_buffer("QueueBuffer", *queue_);
             if (!prepared_.ends_loops()) {
                 groups = std::min<size_t>(groups, prepared_.device.processors);
             }
-            share_out(chunk.count, groups, program);
         }
 
         // Groups in two dimensions: one dimension holds at least 65,535.
@@ -291,14 +292,6 @@ class GpuTracer final : public Tracer {
 
         if (!options.answers) return;
         append_hits(answers, chunk.count, result);
-    }
-
-    /// Three quarters of the rays are the groups' own, the others the queue's.
-    void share_out(size_t rays, size_t groups, gl::Program& program) {
-        const size_t own_blocks = rays * 3 / 4 / (groups * kRayBlock);
-        program.set_uniform("own_rays", static_cast<uint32_t>(own_blocks * kRayBlock));
-        if (!queue_) queue_.emplace("queue", kQueueCounts * sizeof(uint32_t));
-        program.set_buffer("QueueBuffer", *queue_);
     }
 
     // ---- Render --------------------------------------------------------------------------------

@@ -21,9 +21,6 @@
 namespace onepass {
 namespace {
 
-using glm::uint;
-#include "gpu_glsl/shaders/shared/ray_queue_layout.h"
-
 double ms_since(std::chrono::steady_clock::time_point start) {
     return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start)
         .count();
@@ -549,7 +546,8 @@ CastForm PreparedStrategy::compute_form(size_t rays) const {
     const bool has_short_walk =
         info.structure == "bvh" || (!has_top_level(*this) && !has_linear_maps(*this));
     // With no more rays than invocations run at once, none would take a second one.
-    const bool has_enough_rays = rays > size_t{device.processors} * kPersistentGroupSize;
+    constexpr size_t kGroupSize = 1024;  // of shaders/entry/cast_compute_persistent.glsl
+    const bool has_enough_rays = rays > device.processors * kGroupSize;
     const bool pays =
         !device.is_software && device.has_ballots && has_short_walk && has_enough_rays;
     const bool is_on = is_chosen(params, "persistent", pays);

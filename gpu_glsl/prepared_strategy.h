@@ -33,7 +33,7 @@ struct Device {
 enum class CastForm {
     single,      ///< one an invocation
     pairs,       ///< two a fragment (shaders/lib/grid/pairs.glsl)
-    persistent,  ///< one after the other (shaders/entry/cast_compute_persistent.glsl)
+    persistent,  ///< from a queue (shaders/entry/cast_compute_persistent.glsl)
 };
 
 /// Rays of a cast that has enough of them for any form.
