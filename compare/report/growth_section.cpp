@@ -91,7 +91,6 @@ std::string exponent_table(const std::vector<GrowthChart>& charts) {
 }
 
 std::string build_table(const Results& run) {
-    if (run.growth_builds.empty()) return {};
     std::string html = open_table("Builds");
     html += heading_cell("Triangles") + heading_cell("Tracer", "text");
     html += heading_cell("Build, ms") + heading_cell("Builds") + heading_cell("Memory");
@@ -115,7 +114,6 @@ std::string build_table(const Results& run) {
 }
 
 std::string trace_table(const Results& run) {
-    if (run.growth_traces.empty()) return {};
     std::string html = open_table("Casts");
     html += heading_cell("Triangles") + heading_cell("Rays") + heading_cell("Tracer", "text");
     html += heading_cell("Mrays/s") + heading_cell("Errors<small>of judged rays</small>");
@@ -204,7 +202,8 @@ std::string growth_section(const Dossier& dossier) {
             blocks +=
                 "<div class=\"plots wide\">\n" + figures + "</div>\n" + exponent_table(of_run);
         }
-        blocks += "<h4>Builds</h4>\n" + build_table(run) + "<h4>Casts</h4>\n" + trace_table(run);
+        if (!run.growth_builds.empty()) blocks += "<h4>Builds</h4>\n" + build_table(run);
+        if (!run.growth_traces.empty()) blocks += "<h4>Casts</h4>\n" + trace_table(run);
     }
     if (blocks.empty()) return {};
     return "<section id=\"growth\">\n<h2>How cost grows</h2>\n"

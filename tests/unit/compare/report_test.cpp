@@ -860,6 +860,13 @@ TEST_F(Report, draws_growth_on_log_axes_with_its_exponents_and_errors) {
     EXPECT_NE(seen.find("more &lt;cells&gt; than fit"), std::string::npos);
     EXPECT_NE(page.find("\"exponent\":0.25"), std::string::npos) << "for the chart";
     EXPECT_EQ(render({sample_bench_run()}).find("id=\"growth\""), std::string::npos);
+
+    Results casts_only = sample_growth_run();
+    casts_only.growth_builds.clear();
+    const std::string part = render({casts_only});
+    EXPECT_NE(page.find("<h4>Builds</h4>"), std::string::npos);
+    EXPECT_EQ(part.find("<h4>Builds</h4>"), std::string::npos);
+    EXPECT_NE(part.find("<h4>Casts</h4>"), std::string::npos);
 }
 
 TEST_F(Report, shows_the_devices_own_rate_and_whether_it_held_its_pace) {
