@@ -535,6 +535,8 @@ bool PreparedStrategy::answers_any() const {
     return has(params, "any_hit") && params.integer("any_hit") == 1;
 }
 
+bool PreparedStrategy::any_shadow_query() const { return answers_any() && device.is_software; }
+
 CastForm PreparedStrategy::fragment_form() const {
     const bool is_on = is_chosen(params, "pairs", device.jumps);
     return is_on ? CastForm::pairs : CastForm::single;
@@ -572,8 +574,8 @@ std::vector<gl::ShaderConstant> PreparedStrategy::constants(bool count_work,
                                            {"ends_loops", ends_loops()},
                                            {"has_ballots", device.has_ballots},
                                            {"has_fixed_planes", planes_form() == PlanesForm::fixed},
-                                           {"any_query", query == Query::any && answers_any()}};
-    if (!has(params, "any_hit")) all.push_back({"any_hit", 0});
+                                           {"any_query", query == Query::any && answers_any()},
+                                           {"any_shadow_query", any_shadow_query()}};
     all.insert(all.end(), param_constants.begin(), param_constants.end());
     if (needs != nullptr) {
         std::vector<gl::ShaderConstant> shading = shading_constants(*needs);

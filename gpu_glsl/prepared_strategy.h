@@ -58,6 +58,10 @@ struct PreparedStrategy {
     /// parameter `any_hit`, and that is on.
     bool answers_any() const;
 
+    /// Whether an image's shadow rays are such queries. On a GPU they are not: a query that differs
+    /// from ray to ray costs its images more than it saves (gpu_glsl/README.md).
+    bool any_shadow_query() const;
+
     /// How fragments cast given rays: by the strategy's parameter `pairs`, if it has one; and how
     /// compute shaders cast `rays` of them: by its parameter `persistent`. `auto`: as pays.
     CastForm fragment_form() const;

@@ -149,7 +149,7 @@ TEST_F(AnyHit, switched_off_it_is_the_nearest_hit) {
     }
 }
 
-TEST_F(AnyHit, frames_are_the_same_with_it_and_without_and_cost_less_with_it) {
+TEST_F(AnyHit, frames_are_the_same_with_it_and_without_and_cost_less_with_it_in_software) {
     const ScenePtr scene = share(make_palace());
     const RenderSettings settings{.width = 64, .height = 48};
     for (const CatalogueEntry* entry : entries()) {
@@ -163,7 +163,12 @@ TEST_F(AnyHit, frames_are_the_same_with_it_and_without_and_cost_less_with_it) {
             tests_without += without.counters[i].tests;
             EXPECT_EQ(with.counters[i].rays, without.counters[i].rays);
         }
-        EXPECT_LT(tests_with, tests_without) << entry->info.name;
+        // On a GPU frames do without it, and so do the twins, which are as on a GPU.
+        if (context->description().software && !entry->info.is_twin) {
+            EXPECT_LT(tests_with, tests_without) << entry->info.name;
+        } else {
+            EXPECT_EQ(tests_with, tests_without) << entry->info.name;
+        }
     }
 }
 

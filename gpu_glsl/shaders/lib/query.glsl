@@ -7,6 +7,6 @@
 #pragma once
 #include "lib/dialect.glsl"
 
-CONSTANT(int, any_hit)     // the strategy's parameter; 0 where it has none
-CONSTANT(bool, any_query)  // of all given rays; an image's rays differ (lib/trace_pixel.glsl)
+CONSTANT(bool, any_query)         // of all given rays
+CONSTANT(bool, any_shadow_query)  // of an image's shadow rays (lib/trace_pixel.glsl)
 bool any_hit_suffices = any_query;

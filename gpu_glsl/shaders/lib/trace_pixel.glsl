@@ -15,7 +15,7 @@ Pixel trace_pixel(ivec2 pixel) {
     Path path = begin_path();
     int ray_budget = (max_depth + 1) * (light_count + 1);
     for (int i = 0; i < ray_budget; ++i) {
-        any_hit_suffices = any_hit == 1 && path.light != kSurfaceRay;
+        any_hit_suffices = any_shadow_query && path.light != kSurfaceRay;
         Hit hit = closest_hit(ray);
         ++rays_cast;
         if (!next_ray(path, hit, ray)) break;
