@@ -33,7 +33,8 @@ TracerInfo tracer_info(const gl::StrategyInfo& info, const std::string& storage,
             .by_default = info.by_default};
 }
 
-/// Those of a software renderer are the machine's.
+/// Those of a software renderer are the machine's. Where a GPU does not tell, more than there are
+/// cost little, fewer would leave some idle (gpu_glsl/README.md: 256 groups on 132).
 uint32_t processors_of(const gl::GlContext& context) {
     constexpr uint32_t kUnknown = 256;
     if (context.limits().processors > 0) return static_cast<uint32_t>(context.limits().processors);

@@ -7,7 +7,7 @@
 //! gl: 4.3
 //! twin: yes
 //! default: no
-//! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
+//! param: any_hit integer 1 shadow rays end at the first sure hit, those of an image only on a software renderer; 0 finds their nearest
 //! param: records choice(auto,floats,fixed) auto what a triangle test reads: 48 bytes of floats or 32 of fixed-point numbers; auto: fixed on a software renderer
 //! param: persistent choice(auto,on,off) auto a compute shader's invocations take ray after ray from a queue; auto: on a GPU that gains by it, for more rays than it casts at once
 //! param: specialise integer 1 leave out what the scene lacks; 0: one shader for all scenes

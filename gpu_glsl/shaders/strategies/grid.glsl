@@ -9,7 +9,7 @@
 //! param: skip_empty integer 1 cross empty space at once; 0 walks it cell by cell
 //! param: test_boxes integer 1 walk through an instance only if the ray meets its box; 0 if both are in a cell
 //! param: decide choice(doubles,floats) doubles what decides where floats cannot tell; floats err
-//! param: any_hit integer 1 shadow rays end at the first sure hit; 0 finds their nearest
+//! param: any_hit integer 1 shadow rays end at the first sure hit, those of an image only on a software renderer; 0 finds their nearest
 //! param: records choice(auto,floats,fixed) auto what a triangle test reads: 48 bytes of floats or 32 of fixed-point numbers; auto: fixed on a software renderer
 //! param: pairs choice(auto,on,off) auto a fragment casts two given rays; auto: if a software renderer gains by it
 //! param: persistent choice(auto,on,off) auto a compute shader's invocations take ray after ray from a queue; auto: on a GPU that gains by it, for more rays than it casts at once
